@@ -51,8 +51,8 @@ fn sine_and_cosine(degrees: f64) -> (f64, f64) {
     }
 }
 
-/// Rodrigues' rotation matrix.
-fn rotation(axis: DVec3, degrees: f64) -> DMat3 {
+/// Rodrigues' rotation matrix: about an axis of any length but 0, counter-clockwise seen from where it points to.
+pub(super) fn rotation(axis: DVec3, degrees: f64) -> DMat3 {
     let (sine, cosine) = sine_and_cosine(degrees);
     let axis = axis.normalize();
     let turned = |one: DVec3| cosine * one + sine * axis.cross(one) + (1.0 - cosine) * axis.dot(one) * axis;

@@ -7,8 +7,11 @@
 pub(super) mod gesture;
 mod handles;
 mod keys;
+mod light_shapes;
 mod markers;
+mod object;
 mod outline;
+pub(super) mod sight;
 #[cfg(test)]
 mod tests;
 mod tool_row;
@@ -19,8 +22,9 @@ use crate::scene::edit::SceneObject;
 use crate::workspace::OwnerId;
 use crate::world::World;
 use egui::{CursorIcon, Key, Modifiers, PointerButton, Pos2, Response, Ui};
-use gesture::{Gesture, Motion, SceneAxis, Travel, pivot, seen_at};
+use gesture::{Gesture, Motion, SceneAxis, Travel};
 use outline::Outline;
+use sight::{pivot, seen_at};
 use std::sync::Arc;
 use view::{Grip, SceneView};
 
@@ -143,10 +147,11 @@ fn motion_by(grip: Grip) -> Motion {
     match grip {
         Grip::Object(object) => Motion::Move(object, None),
         Grip::Arrow(object, axis) => Motion::Move(object, Some(axis)),
-        Grip::Radius(id) => Motion::Resize(id),
-        Grip::Ring(id, axis) => Motion::Turn(id, axis),
-        Grip::Factor(id, axis) => Motion::Stretch(id, axis),
-        Grip::Middle(id) => Motion::Grow(id),
+        Grip::Target(id) => Motion::Aim(id, None),
+        Grip::Radius(object) => Motion::Resize(object),
+        Grip::Ring(object, axis) => Motion::Turn(object, axis),
+        Grip::Factor(object, axis) => Motion::Stretch(object, axis),
+        Grip::Middle(object) => Motion::Grow(object),
     }
 }
 
@@ -155,10 +160,11 @@ fn grip_of(motion: Motion) -> Option<Grip> {
     match motion {
         Motion::Move(object, None) => Some(Grip::Object(object)),
         Motion::Move(object, Some(axis)) => Some(Grip::Arrow(object, axis)),
-        Motion::Resize(id) => Some(Grip::Radius(id)),
-        Motion::Turn(id, axis) => Some(Grip::Ring(id, axis)),
-        Motion::Stretch(id, axis) => Some(Grip::Factor(id, axis)),
-        Motion::Grow(id) => Some(Grip::Middle(id)),
+        Motion::Aim(id, _) => Some(Grip::Target(id)),
+        Motion::Resize(object) => Some(Grip::Radius(object)),
+        Motion::Turn(object, axis) => Some(Grip::Ring(object, axis)),
+        Motion::Stretch(object, axis) => Some(Grip::Factor(object, axis)),
+        Motion::Grow(object) => Some(Grip::Middle(object)),
         Motion::Orbit | Motion::Pan | Motion::Dolly | Motion::FieldOfView => None,
     }
 }
@@ -215,7 +221,10 @@ impl App {
             let body = seen_at(self.workshop.world(), self.scene_view().image_point(at)).map(|(body, _)| SceneObject::Body(body));
             let object = match grip {
                 Some(Grip::Object(object)) => Some(object),
-                Some(Grip::Arrow(..) | Grip::Radius(_) | Grip::Ring(..) | Grip::Factor(..) | Grip::Middle(_)) | None => body,
+                Some(
+                    Grip::Arrow(..) | Grip::Target(_) | Grip::Radius(_) | Grip::Ring(..) | Grip::Factor(..) | Grip::Middle(_),
+                )
+                | None => body,
             };
             self.parameters.select(object.map_or(OwnerId::Global, owner_of));
         }
@@ -325,6 +334,7 @@ impl App {
             | Motion::Dolly
             | Motion::FieldOfView
             | Motion::Move(..)
+            | Motion::Aim(..)
             | Motion::Resize(_)
             | Motion::Turn(..)
             | Motion::Stretch(..)
@@ -362,12 +372,17 @@ impl App {
                 Motion::Dolly | Motion::FieldOfView => [0.0, f64::from(moved.y / FACTOR_POINTS)],
                 // To the right or upwards.
                 Motion::Grow(_) => [0.0, f64::from((moved.x - moved.y) / FACTOR_POINTS)],
-                Motion::Orbit | Motion::Pan | Motion::Move(..) | Motion::Resize(_) | Motion::Turn(..) | Motion::Stretch(..) => {
-                    [-f64::from(turn.x), f64::from(turn.y)]
-                }
+                Motion::Orbit
+                | Motion::Pan
+                | Motion::Move(..)
+                | Motion::Aim(..)
+                | Motion::Resize(_)
+                | Motion::Turn(..)
+                | Motion::Stretch(..) => [-f64::from(turn.x), f64::from(turn.y)],
             };
             gesture.motion = match (gesture.begun, axis) {
                 (Motion::Move(object, _), Some(axis)) => Motion::Move(object, Some(axis)),
+                (Motion::Aim(id, _), Some(axis)) => Motion::Aim(id, Some(axis)),
                 (begun, _) => begun,
             };
             if (gesture.travel, gesture.motion, gesture.snaps) != before {

@@ -3,7 +3,7 @@
 use crate::lang::diagnostic::Diagnostic;
 use crate::mesh::{MeshFormat, Reading};
 use crate::preview::app::asset_loading::AfterReading;
-use crate::preview::app::hand::gesture::{pivot, place_to_stand};
+use crate::preview::app::hand::sight::{pivot, place_to_stand};
 use crate::preview::app::scene_actions::MeshSpot;
 use crate::preview::app::{App, user_state};
 use crate::scene::edit::{Precision, SceneChange, edit, unused_name};

@@ -1,8 +1,8 @@
 //! The text of the scene follows what is moved, added and removed in the picture and in menus; one step of undo each.
 
 use crate::lang::variables::Owner;
-use crate::preview::app::hand::gesture::{distance, framing, from_side, pivot, place_to_stand};
 use crate::preview::app::hand::owner_of;
+use crate::preview::app::hand::sight::{distance, framing, from_side, pivot, place_to_stand};
 use crate::preview::app::notices::{Notice, Topic};
 use crate::preview::app::steps::OtherStep;
 use crate::preview::app::tab::TextTab;
@@ -10,6 +10,10 @@ use crate::preview::app::{App, SceneAction};
 use crate::scene::edit::{EditRefusal, Precision, SceneChange, SceneObject, edit, unused_name};
 use crate::scene::{BodyForm, BodyId, Camera, LightKind, Scene, Shape, Syntax, Transform};
 use crate::world::{Assets, Bounds, World};
+use glam::DVec3;
+
+/// The size of lights that are added, as a part of the distance of the scene.
+const LIGHT_SIZE: f64 = 0.2;
 
 impl App {
     /// Makes a change of the scene in its text, and applies it. If the text has errors, nothing changes.
@@ -203,9 +207,9 @@ impl App {
         let middle = pivot(self.workshop.world(), [0.0, 0.0], None);
         let at = middle + distance * (0.5 * camera.upright() - 0.3 * right - 0.3 * forward);
         let precision = Precision::for_size(distance);
-        let moved = kind.anchor().and_then(|anchor| kind.moved(precision.round(at - anchor)));
+        let [at, middle, size] = [at, middle, DVec3::splat(LIGHT_SIZE * distance)].map(|vector| precision.round(vector));
         let name = unused_name(self.workshop.scene(), "light");
-        self.add(SceneChange::AddLight(name.clone(), moved.unwrap_or(kind)), precision, &name, Owner::Light);
+        self.add(SceneChange::AddLight(name.clone(), placed_light(kind, at, middle, size.x)), precision, &name, Owner::Light);
     }
 
     /// Adds something, with default values, and selects it.
@@ -274,6 +278,14 @@ impl App {
         };
         [name(false, value), name(true, next_value)]
     }
+}
+
+/// A light of the same kind at a place, of this size if it has one. One that shines in one direction shines towards the
+/// middle.
+fn placed_light(kind: LightKind, at: DVec3, middle: DVec3, size: f64) -> LightKind {
+    let sized = kind.size().and_then(|own| kind.scaled(size / own)).unwrap_or(kind);
+    let moved = sized.anchor().and_then(|anchor| sized.moved(at - anchor)).unwrap_or(sized);
+    moved.aimed(at, middle).unwrap_or(moved)
 }
 
 /// A kind's example.

@@ -47,6 +47,12 @@ impl DirectionalLight {
     pub fn direction(&self) -> DVec3 {
         self.direction
     }
+
+    /// The same that travels in another direction, given by a vector of any length; `None` if that is zero. The vector
+    /// in the text keeps its length.
+    pub(super) fn aimed(&self, direction: DVec3) -> Option<Self> {
+        Self::new(direction.try_normalize()? * self.direction.length()).ok()
+    }
 }
 
 impl Movable for DirectionalLight {

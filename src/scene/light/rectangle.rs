@@ -5,6 +5,7 @@ use crate::lang::keywords::Keyword;
 use crate::scene::movable::Movable;
 use crate::scene::shape::Rectangle;
 use crate::scene::syntax::TextForm;
+use crate::scene::transform::rotation;
 use glam::DVec3;
 use std::fmt::{Display, Formatter, Result as FmtResult};
 
@@ -23,6 +24,32 @@ impl RectangleLight {
     /// The rectangle, in world coordinates.
     pub fn rectangle(&self) -> &Rectangle {
         &self.rectangle
+    }
+
+    /// The directions of its sides AB and BC, and of its normal, of unit length.
+    pub(super) fn axes(&self) -> [DVec3; 3] {
+        let [a, b, c] = self.rectangle.corners();
+        [(b - a).normalize(), (c - b).normalize(), self.rectangle.normal()]
+    }
+
+    /// The same with other corners, each given by its vector from the middle; `None` if there is no such rectangle.
+    fn with_corners(&self, moved: impl Fn(DVec3) -> DVec3) -> Option<Self> {
+        let [a, b, c] = self.rectangle.corners();
+        let middle = a.midpoint(c);
+        let [a, b, c] = [a, b, c].map(|corner| middle + moved(corner - middle));
+        Rectangle::new(a, b, c).ok().map(Self::new)
+    }
+
+    /// The same, turned about an axis through its middle.
+    pub(super) fn turned(&self, axis: DVec3, degrees: f64) -> Option<Self> {
+        let rotation = rotation(axis, degrees);
+        self.with_corners(|corner| rotation * corner)
+    }
+
+    /// The same, larger by a factor along each of its [axes](Self::axes), about its middle.
+    pub(super) fn stretched_along(&self, by: DVec3) -> Option<Self> {
+        let axes = self.axes();
+        self.with_corners(|corner| (0..3).map(|axis| by[axis] * corner.dot(axes[axis]) * axes[axis]).sum())
     }
 }
 

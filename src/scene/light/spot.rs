@@ -7,6 +7,7 @@ use crate::lang::token::Mark;
 use crate::scene::foreign;
 use crate::scene::movable::Movable;
 use crate::scene::syntax::TextForm;
+use crate::scene::transform::rotation;
 use crate::scene::values::{SceneNumber, Vector, vector};
 use crate::scene::{MIN_LENGTH, is_within_reach};
 use glam::DVec3;
@@ -82,6 +83,18 @@ impl SpotLight {
     /// How many of these degrees, counted from the edge, are soft: 0..=angle.
     pub fn soft(&self) -> f64 {
         self.soft.unwrap_or(0.0)
+    }
+}
+
+impl SpotLight {
+    /// The same that shines to another target; `None` if there is no such light.
+    pub(super) fn aimed(&self, target: DVec3) -> Option<Self> {
+        Self::new(self.position, target, self.angle, self.soft).ok()
+    }
+
+    /// The same, turned about an axis through its position.
+    pub(super) fn turned(&self, axis: DVec3, degrees: f64) -> Option<Self> {
+        self.aimed(self.position + rotation(axis, degrees) * (self.target - self.position))
     }
 }
 

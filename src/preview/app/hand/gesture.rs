@@ -2,9 +2,11 @@
 //!
 //! The scene of a gesture is always computed from the scene at its start, so it does not depend on the number of steps.
 
+use super::object;
+use super::sight::anchor;
 use crate::scene::edit::{Precision, SceneChange, SceneObject, rounded};
-use crate::scene::{BodyId, Camera, Scene, ViewSide};
-use crate::world::{Ray, World};
+use crate::scene::{Camera, LightId, Scene};
+use crate::world::World;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -21,14 +23,16 @@ pub(in crate::preview::app) enum Motion {
     FieldOfView,
     /// A body or a light, parallel to the picture; or along an axis of the scene.
     Move(SceneObject, Option<SceneAxis>),
-    /// The radius of a body.
-    Resize(BodyId),
-    /// A body, about an axis of the scene through its anchor.
-    Turn(BodyId, SceneAxis),
-    /// A body, larger along one of its own axes.
-    Stretch(BodyId, SceneAxis),
-    /// A body, larger in all directions.
-    Grow(BodyId),
+    /// The target of a light, in the same ways.
+    Aim(LightId, Option<SceneAxis>),
+    /// The radius of a body or a light.
+    Resize(SceneObject),
+    /// A body or a light, about an axis of the scene through its anchor.
+    Turn(SceneObject, SceneAxis),
+    /// A body or a light, larger along one of its own axes.
+    Stretch(SceneObject, SceneAxis),
+    /// A body or a light, larger in all directions.
+    Grow(SceneObject),
 }
 
 /// Angles that snap are multiples of this, in degrees.
@@ -125,12 +129,12 @@ impl Gesture {
     pub(in crate::preview::app) fn what(&self) -> String {
         match self.motion {
             Motion::Orbit | Motion::Pan | Motion::Dolly | Motion::FieldOfView => "the camera".to_owned(),
-            Motion::Move(SceneObject::Body(id), _)
-            | Motion::Resize(id)
-            | Motion::Turn(id, _)
-            | Motion::Stretch(id, _)
-            | Motion::Grow(id) => self.scene().body(id).name.clone(),
-            Motion::Move(SceneObject::Light(id), _) => self.scene().light(id).name.clone(),
+            Motion::Move(object, _)
+            | Motion::Resize(object)
+            | Motion::Turn(object, _)
+            | Motion::Stretch(object, _)
+            | Motion::Grow(object) => object::name(self.scene(), object).to_owned(),
+            Motion::Aim(id, _) => object::name(self.scene(), SceneObject::Light(id)).to_owned(),
         }
     }
 
@@ -149,31 +153,30 @@ impl Gesture {
             Motion::Pan => led(camera.panned(depth, from, to)),
             Motion::Dolly => led(camera.dollied(self.pivot, climb.exp())),
             Motion::FieldOfView => led(camera.widened(climb.exp())),
-            Motion::Move(object, _) => {
-                let by = self.way()?;
-                match object {
-                    SceneObject::Body(id) => Some(SceneChange::Form(id, self.scene().body(id).form.moved(by)?)),
-                    SceneObject::Light(id) => Some(SceneChange::Light(id, self.scene().light(id).kind.moved(by)?)),
-                }
+            Motion::Move(object, _) => object::moved(&self.start, object, self.way()?, self.snaps.then_some(SNAPPED_ANGLE)),
+            Motion::Aim(id, _) => {
+                let kind = &self.scene().light(id).kind;
+                let aimed = kind.aimed(kind.anchor()?, kind.target()? + self.way()?)?;
+                Some(SceneChange::Light(id, aimed))
             }
-            Motion::Resize(id) | Motion::Grow(id) => {
-                Some(SceneChange::Form(id, self.scene().body(id).form.scaled(self.factor()?)?))
-            }
-            Motion::Stretch(id, axis) => {
+            Motion::Resize(object) | Motion::Grow(object) => object::scaled(self.scene(), object, self.factor()?),
+            Motion::Stretch(object, axis) => {
                 let mut factors = DVec3::ONE;
                 factors[axis.index()] = self.factor()?;
-                Some(SceneChange::Form(id, self.scene().body(id).form.stretched(factors)?))
+                object::stretched(self.scene(), object, factors)
             }
-            Motion::Turn(id, _) => {
+            Motion::Turn(object, _) => {
                 let Sweep { axis, degrees, .. } = self.sweep()?;
-                Some(SceneChange::Form(id, self.scene().body(id).form.turned(axis, degrees)?))
+                object::turned(self.scene(), object, axis, degrees)
             }
         }
     }
 
     /// The way by which something is moved.
     fn way(&self) -> Option<DVec3> {
-        let (Motion::Move(_, axis), Travel { from, to, .. }) = (self.motion, self.travel) else { return None };
+        let (Motion::Move(_, axis) | Motion::Aim(_, axis), Travel { from, to, .. }) = (self.motion, self.travel) else {
+            return None;
+        };
         let camera = &self.scene().camera;
         let depth = camera.depth_of(self.pivot);
         let by = match axis {
@@ -187,25 +190,29 @@ impl Gesture {
         Some(precision.round(by))
     }
 
-    /// The factor by which a body is scaled.
+    /// The factor by which a body or a light is scaled.
     pub(in crate::preview::app) fn factor(&self) -> Option<f64> {
         let Travel { from, to, amount } = self.travel;
         let factor = match self.motion {
-            Motion::Resize(id) => {
-                let (camera, anchor) = (&self.scene().camera, self.scene().body(id).form.anchor()?);
+            Motion::Resize(object) => {
+                let (camera, anchor) = (&self.scene().camera, anchor(self.scene(), object)?);
                 let depth = camera.depth_of(anchor);
                 let [before, after] = [from, to].map(|point| camera.point_at(point, depth).distance(anchor));
                 after / before
             }
-            Motion::Stretch(id, axis) => {
-                let direction = self.scene().body(id).form.axes()[axis.index()];
+            Motion::Stretch(object, axis) => {
+                let direction = object::axes(self.scene(), object)?[axis.index()];
                 let [before, after] = [from, to].map(|point| Some((self.along(direction, point)? - self.pivot).dot(direction)));
                 (after? / before?).max(LEAST_FACTOR)
             }
             Motion::Grow(_) => amount[1].exp(),
-            Motion::Orbit | Motion::Pan | Motion::Dolly | Motion::FieldOfView | Motion::Move(..) | Motion::Turn(..) => {
-                return None;
-            }
+            Motion::Orbit
+            | Motion::Pan
+            | Motion::Dolly
+            | Motion::FieldOfView
+            | Motion::Move(..)
+            | Motion::Aim(..)
+            | Motion::Turn(..) => return None,
         };
         if self.snaps {
             return Some(rounded((factor / SNAPPED_FACTOR).round().max(1.0) * SNAPPED_FACTOR, 1));
@@ -214,7 +221,7 @@ impl Gesture {
         (factor.is_finite() && factor > 0.0).then(|| rounded(factor, digits))
     }
 
-    /// How far a body is turned, if it is.
+    /// How far a body or a light is turned, if it is.
     pub(in crate::preview::app) fn sweep(&self) -> Option<Sweep> {
         let (Motion::Turn(_, axis), camera, center) = (self.motion, &self.scene().camera, self.pivot) else { return None };
         let axis = axis.direction();
@@ -248,12 +255,14 @@ impl Gesture {
         match self.motion {
             Motion::Turn(..) => Some(format!("{}°", self.sweep()?.degrees).replace('-', "−")),
             Motion::Resize(_) | Motion::Stretch(..) | Motion::Grow(_) => Some(format!("× {}", self.factor()?)),
-            Motion::Move(_, Some(axis)) => {
+            Motion::Move(_, Some(axis)) | Motion::Aim(_, Some(axis)) => {
                 let way = self.way()?[axis.index()];
                 let sign = if way < 0.0 { "−" } else { "+" };
                 Some(format!("{} {sign}{}", axis.name(), way.abs()))
             }
-            Motion::Move(_, None) | Motion::Orbit | Motion::Pan | Motion::Dolly | Motion::FieldOfView => None,
+            Motion::Move(_, None) | Motion::Aim(_, None) | Motion::Orbit | Motion::Pan | Motion::Dolly | Motion::FieldOfView => {
+                None
+            }
         }
     }
 
@@ -281,94 +290,5 @@ impl Gesture {
             }
         }
         Some(scene)
-    }
-}
-
-/// The point that is seen at a point of the image plane.
-pub(in crate::preview::app) fn seen_at(world: &World, [x, y]: [f64; 2]) -> Option<(BodyId, DVec3)> {
-    let camera = &world.scene().camera;
-    let ray = Ray { origin: camera.position(), direction: camera.direction(x, y), leaves: None };
-    world.nearest(&ray).map(|met| (met.body, ray.at(met.distance)))
-}
-
-/// The point that a motion of the camera is about: what is seen at a point of the image plane; otherwise the selected
-/// thing, otherwise a point there as far away as the middle of the scene.
-pub(in crate::preview::app) fn pivot(world: &World, at: [f64; 2], selected: Option<SceneObject>) -> DVec3 {
-    let camera = &world.scene().camera;
-    if let Some((_, point)) = seen_at(world, at) {
-        return point;
-    }
-    let selected = selected.and_then(|object| anchor(world.scene(), object)).filter(|point| camera.depth_of(*point) > 0.0);
-    selected.unwrap_or_else(|| camera.point_at(at, distance(world)))
-}
-
-/// The point on which something stands that is added where a point of the image plane is seen. `size` is how large it
-/// is. If what is seen there does not look up, the place is in front of it, on what is below.
-pub(in crate::preview::app) fn place_to_stand(world: &World, at: [f64; 2], size: f64) -> DVec3 {
-    let (camera, seen) = (&world.scene().camera, pivot(world, at, None));
-    let upright = camera.upright();
-    let below = |from: DVec3| {
-        let met = world.nearest(&Ray { origin: from, direction: -upright, leaves: None })?;
-        Some((met.distance, from - met.distance * upright))
-    };
-    let lift = 0.05 * size;
-    if below(seen + lift * upright).is_some_and(|(distance, _)| distance < 1.5 * lift) {
-        return seen;
-    }
-    let towards = (camera.position() - seen).reject_from(upright).normalize_or_zero();
-    let place = below(seen + size * towards).map(|(_, place)| place);
-    // What is far below would be out of view.
-    place.filter(|place| camera.project(*place).is_some_and(|[_, y]| y > -0.95)).unwrap_or(seen)
-}
-
-/// How far away the scene is, in world units, greater than 0.
-pub(in crate::preview::app) fn distance(world: &World) -> f64 {
-    let camera = &world.scene().camera;
-    if let Some((_, point)) = seen_at(world, [0.0, 0.0]) {
-        return camera.depth_of(point);
-    }
-    let anchors = world.scene().body_ids().filter_map(|id| world.scene().body(id).form.anchor());
-    let depths = anchors.map(|anchor| camera.depth_of(anchor)).filter(|depth| *depth > 0.0);
-    depths.reduce(f64::min).unwrap_or(1.0)
-}
-
-/// The point that stands for a body or light.
-pub(in crate::preview::app) fn anchor(scene: &Scene, object: SceneObject) -> Option<DVec3> {
-    match object {
-        SceneObject::Body(id) => scene.bodies.get(id.index())?.form.anchor(),
-        SceneObject::Light(id) => scene.lights.get(id.index())?.kind.anchor(),
-    }
-}
-
-/// The camera that views the scene from a side: about the selected thing, or about what is in the middle.
-pub(in crate::preview::app) fn from_side(world: &World, side: ViewSide, selected: Option<SceneObject>) -> Option<Camera> {
-    let selected = selected.and_then(|object| anchor(world.scene(), object));
-    world.scene().camera.from_side(side, selected.unwrap_or_else(|| pivot(world, [0.0, 0.0], None)))
-}
-
-/// The camera that sees a body, a light or, without one, the whole scene as large as possible.
-pub(in crate::preview::app) fn framing(world: &World, object: Option<SceneObject>, aspect: f64) -> Option<Camera> {
-    let camera = &world.scene().camera;
-    match object {
-        Some(SceneObject::Body(id)) => {
-            let bounds = world.bounds(id);
-            camera.framing(bounds.low, bounds.high, aspect)
-        }
-        Some(light @ SceneObject::Light(_)) => {
-            // A light has no size. The scene stays as far away as it is.
-            let anchor = anchor(world.scene(), light)?;
-            let [.., forward] = camera.axes();
-            Camera::new(anchor - distance(world) * forward, camera.gaze(), camera.up(), camera.fov()).ok()
-        }
-        None => {
-            // Without floors and walls, which are far larger than what stands on them.
-            let bounds: Vec<_> = world.scene().body_ids().map(|id| world.bounds(id)).collect();
-            let mut sizes: Vec<f64> = bounds.iter().map(crate::world::Bounds::diagonal).collect();
-            sizes.sort_by(f64::total_cmp);
-            let usual = sizes.get(sizes.len().saturating_sub(1) / 2).copied()?;
-            let fitting = bounds.iter().filter(|bounds| bounds.diagonal() <= 8.0 * usual);
-            let whole = fitting.copied().reduce(crate::world::Bounds::union)?;
-            camera.framing(whole.low, whole.high, aspect)
-        }
     }
 }

@@ -1,11 +1,12 @@
-//! The handles that turn and scale the selected body: rings about the axes of the scene, and handles along the body's
-//! own axes.
+//! The handles that turn and scale what is selected: rings about the axes of the scene, and handles along the own axes
+//! of a body or light.
 
 use super::gesture::SceneAxis;
+use super::object;
+use super::sight::anchor;
 use super::view::{ARROW, Grip, REACH, SHORTEST_ARROW, SceneView, is_on_arrow};
 use crate::preview::app::HandleTool;
 use crate::scene::edit::SceneObject;
-use crate::scene::{BodyForm, BodyId};
 use egui::{Pos2, Vec2};
 use glam::DVec3;
 
@@ -25,10 +26,10 @@ pub(super) struct Ring {
     pub(super) pieces: Vec<([Pos2; 2], bool)>,
 }
 
-/// The handles along the own axes of a body.
+/// The handles along the own axes of a body or light.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FactorHandles {
-    pub(super) body: BodyId,
+    pub(super) object: SceneObject,
     /// Where all of them begin.
     pub(super) origin: Pos2,
     /// Where each of them ends.
@@ -36,16 +37,15 @@ pub(super) struct FactorHandles {
 }
 
 impl SceneView<'_> {
-    /// The selected body, with its anchor in view, if its handles are of this tool.
-    fn body_with(&self, tool: HandleTool) -> Option<(BodyId, &BodyForm, DVec3, Pos2)> {
-        let SceneObject::Body(id) = self.selected.filter(|_| self.tool == tool)? else { return None };
-        let (form, origin) = (&self.world.scene().bodies.get(id.index())?.form, self.origin()?);
-        Some((id, form, form.anchor()?, origin))
+    /// The selected thing, with its anchor in view, if its handles are of this tool.
+    fn object_with(&self, tool: HandleTool) -> Option<(SceneObject, DVec3, Pos2)> {
+        let object = self.selected.filter(|object| self.tool_of(*object) == tool)?;
+        Some((object, anchor(self.world.scene(), object)?, self.origin()?))
     }
 
-    /// The rings about the anchor of the selected body.
-    pub(super) fn rings(&self) -> Option<(BodyId, [Ring; 3])> {
-        let (id, _, anchor, _) = self.body_with(HandleTool::Rotate)?;
+    /// The rings about the anchor of the selected thing.
+    pub(super) fn rings(&self) -> Option<(SceneObject, [Ring; 3])> {
+        let (object, anchor, _) = self.object_with(HandleTool::Rotate)?;
         let radius = RING * self.reach_at(anchor);
         let view = (anchor - self.camera().position()).normalize();
         let ring = |axis: SceneAxis| {
@@ -64,36 +64,38 @@ impl SceneView<'_> {
             });
             Ring { axis, pieces: pieces.collect() }
         };
-        Some((id, SceneAxis::ALL.map(ring)))
+        Some((object, SceneAxis::ALL.map(ring)))
     }
 
-    /// The handles along the own axes of the selected body, from its origin. A flat body has two.
+    /// The handles along the own axes of the selected thing, from its origin. What is flat has two, a sphere that shines
+    /// none.
     pub(super) fn factor_handles(&self) -> Option<FactorHandles> {
-        let (body, form, anchor, origin) = self.body_with(HandleTool::Scale)?;
-        let (length, directions) = (self.reach_at(anchor), form.axes());
-        let axes = SceneAxis::ALL.into_iter().filter(|axis| form.has_extent_along(axis.index()));
+        let (object, anchor, origin) = self.object_with(HandleTool::Scale)?;
+        let scene = self.world.scene();
+        let (length, directions) = (self.reach_at(anchor), object::axes(scene, object)?);
+        let axes = SceneAxis::ALL.into_iter().filter(|axis| object::has_extent_along(scene, object, axis.index()));
         let tips = axes.filter_map(|axis| {
             let tip = self.project(anchor + length * directions[axis.index()])?;
             (tip.distance(origin) >= SHORTEST_ARROW).then_some((axis, tip))
         });
-        Some(FactorHandles { body, origin, tips: tips.collect() })
+        Some(FactorHandles { object, origin, tips: tips.collect() })
     }
 
     /// The ring, or the handle that scales, at a position of the screen.
-    pub(super) fn body_handle_at(&self, at: Pos2) -> Option<Grip> {
-        if let Some((id, rings)) = self.rings() {
+    pub(super) fn turning_or_scaling_handle_at(&self, at: Pos2) -> Option<Grip> {
+        if let Some((object, rings)) = self.rings() {
             let nearest = rings.iter().filter_map(|ring| {
                 let front = ring.pieces.iter().filter(|(_, is_front)| *is_front);
                 let distances = front.map(|(ends, _)| distance_to_piece(at, *ends));
                 distances.min_by(f32::total_cmp).map(|distance| (distance, ring.axis))
             });
             let nearest = nearest.min_by(|(one, _), (other, _)| one.total_cmp(other))?;
-            return (nearest.0 <= 0.75 * REACH).then_some(Grip::Ring(id, nearest.1));
+            return (nearest.0 <= 0.75 * REACH).then_some(Grip::Ring(object, nearest.1));
         }
-        let FactorHandles { body: id, origin, tips } = self.factor_handles()?;
+        let FactorHandles { object, origin, tips } = self.factor_handles()?;
         let on_axis = tips.into_iter().find(|(_, tip)| is_on_arrow(at, origin, *tip));
-        let on_middle = (origin.distance(at) <= REACH).then_some(Grip::Middle(id));
-        on_axis.map(|(axis, _)| Grip::Factor(id, axis)).or(on_middle)
+        let on_middle = (origin.distance(at) <= REACH).then_some(Grip::Middle(object));
+        on_axis.map(|(axis, _)| Grip::Factor(object, axis)).or(on_middle)
     }
 
     /// Where the words about a gesture stand: beside the handles of a thing, where they cover none.

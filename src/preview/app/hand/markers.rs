@@ -2,6 +2,7 @@
 
 use super::gesture::{Gesture, Motion, SceneAxis, Sweep};
 use super::handles::{FactorHandles, RING, Ring};
+use super::light_shapes::LightShape;
 use super::view::{Arrows, Grip, LightMarker, SceneView};
 use crate::scene::edit::SceneObject;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Shape, Stroke, Vec2};
@@ -36,20 +37,15 @@ fn line(painter: &Painter, ends: [Pos2; 2], width: f32, colour: Color32) {
 pub(super) fn draw(painter: &Painter, view: &SceneView<'_>, hovered: Option<Grip>, gesture: Option<&Gesture>) {
     draw_outline(painter, view);
     for marker in view.light_markers() {
-        let is_selected = view.selected == Some(marker.light);
-        let is_hovered = hovered == Some(Grip::Object(marker.light));
-        draw_light(
-            painter,
-            view,
-            &marker,
-            if is_hovered {
-                HOVERED
-            } else if is_selected {
-                SELECTED
-            } else {
-                LIGHT
-            },
-        );
+        let is_selected = view.selected == Some(SceneObject::Light(marker.light));
+        let is_hovered = hovered == Some(Grip::Object(SceneObject::Light(marker.light)));
+        let colour = match (is_hovered, is_selected) {
+            (true, _) => HOVERED,
+            (false, true) => SELECTED,
+            (false, false) => LIGHT,
+        };
+        draw_light_shape(painter, &view.light_shape(marker.light), colour, is_hovered || is_selected);
+        draw_light(painter, view, &marker, colour);
     }
     draw_arrows(painter, view, hovered);
     draw_rings(painter, view, hovered, gesture);
@@ -66,13 +62,28 @@ fn draw_outline(painter: &Painter, view: &SceneView<'_>) {
     }
 }
 
+/// The lines of a light. Those of a light that is neither selected nor under the pointer are faint.
+fn draw_light_shape(painter: &Painter, shape: &LightShape, colour: Color32, is_marked: bool) {
+    let draw = |pieces: &[[Pos2; 2]], stroke: Stroke| {
+        painter.extend(pieces.iter().map(|ends| Shape::line_segment(*ends, stroke)));
+    };
+    if is_marked {
+        draw(&shape.faint, Stroke::new(1.0, colour.gamma_multiply(0.7)));
+        draw(&shape.pieces, Stroke::new(3.5, UNDER));
+    }
+    let strength = if is_marked { 1.0 } else { 0.55 };
+    draw(&shape.pieces, Stroke::new(if is_marked { 1.75 } else { 1.0 }, colour.gamma_multiply(strength)));
+    if let Some((tip, towards)) = shape.tip {
+        let across = Vec2::new(-towards.y, towards.x);
+        let head = vec![tip + 9.0 * towards, tip + 4.5 * across, tip - 4.5 * across];
+        painter.add(Shape::convex_polygon(head, colour, Stroke::new(1.0, UNDER)));
+    }
+}
+
 /// A sun; an arrow at the edge of the picture if the light is outside.
 fn draw_light(painter: &Painter, view: &SceneView<'_>, marker: &LightMarker, colour: Color32) {
     let at = marker.at;
-    let name = match marker.light {
-        SceneObject::Light(id) => view.world.scene().light(id).name.as_str(),
-        SceneObject::Body(_) => "",
-    };
+    let name = view.world.scene().lights.get(marker.light.index()).map_or("", |light| &light.name);
     if let Some(towards) = marker.outside {
         let across = Vec2::new(-towards.y, towards.x);
         let triangle = |size: f32| {
@@ -124,8 +135,11 @@ fn draw_arrows(painter: &Painter, view: &SceneView<'_>, hovered: Option<Grip>) {
             painter.circle(origin, 4.0, colour, Stroke::new(1.5, UNDER));
         }
     }
-    if let Some((id, at)) = view.radius_handle() {
-        square(painter, at, if hovered == Some(Grip::Radius(id)) { HOVERED } else { SELECTED });
+    if let Some((object, at)) = view.radius_handle() {
+        square(painter, at, if hovered == Some(Grip::Radius(object)) { HOVERED } else { SELECTED });
+    }
+    if let Some((id, at)) = view.target_handle() {
+        square(painter, at, if hovered == Some(Grip::Target(id)) { HOVERED } else { SELECTED });
     }
 }
 
@@ -135,9 +149,9 @@ fn square(painter: &Painter, at: Pos2, colour: Color32) {
     painter.rect_filled(square, 1.0, colour);
 }
 
-/// Draws the rings. What is behind the body's middle is thin. While one is turned, the others are not shown.
+/// Draws the rings. What is behind their middle is thin. While one is turned, the others are not shown.
 fn draw_rings(painter: &Painter, view: &SceneView<'_>, hovered: Option<Grip>, gesture: Option<&Gesture>) {
-    let Some((id, rings)) = view.rings() else { return };
+    let Some((object, rings)) = view.rings() else { return };
     let turned = match gesture.map(|gesture| gesture.motion) {
         Some(Motion::Turn(_, axis)) => Some(axis),
         Some(_) | None => None,
@@ -157,7 +171,7 @@ fn draw_rings(painter: &Painter, view: &SceneView<'_>, hovered: Option<Grip>, ge
         draw(ring, true, Stroke::new(4.0, UNDER));
     }
     for ring in shown() {
-        let is_hovered = hovered == Some(Grip::Ring(id, ring.axis));
+        let is_hovered = hovered == Some(Grip::Ring(object, ring.axis));
         draw(ring, true, Stroke::new(2.0, if is_hovered && turned.is_none() { HOVERED } else { axis_colour(ring.axis) }));
     }
     if let Some(origin) = view.origin() {
@@ -189,16 +203,16 @@ fn draw_sweep(painter: &Painter, view: &SceneView<'_>, sweep: &Sweep, colour: Co
 
 /// Draws the handles that scale. One that is held goes with the pointer.
 fn draw_factors(painter: &Painter, view: &SceneView<'_>, hovered: Option<Grip>, gesture: Option<&Gesture>) {
-    let Some(FactorHandles { body: id, origin, tips }) = view.factor_handles() else { return };
+    let Some(FactorHandles { object, origin, tips }) = view.factor_handles() else { return };
     for (axis, tip) in tips {
-        let is_held = gesture.is_some_and(|gesture| gesture.motion == Motion::Stretch(id, axis));
+        let is_held = gesture.is_some_and(|gesture| gesture.motion == Motion::Stretch(object, axis));
         let factor = gesture.filter(|_| is_held).and_then(Gesture::factor).unwrap_or(1.0) as f32;
         let towards = (tip - origin).normalized();
         let tip = origin + factor.clamp(0.3, 20.0) * (tip - origin);
-        let colour = if hovered == Some(Grip::Factor(id, axis)) { HOVERED } else { axis_colour(axis) };
+        let colour = if hovered == Some(Grip::Factor(object, axis)) { HOVERED } else { axis_colour(axis) };
         line(painter, [origin + 8.0 * towards, tip], 2.0, colour);
         square(painter, tip, colour);
         words(painter, tip + 17.0 * towards, Align2::CENTER_CENTER, axis.name(), colour);
     }
-    square(painter, origin, if hovered == Some(Grip::Middle(id)) { HOVERED } else { SELECTED });
+    square(painter, origin, if hovered == Some(Grip::Middle(object)) { HOVERED } else { SELECTED });
 }

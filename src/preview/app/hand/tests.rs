@@ -1,6 +1,7 @@
 //! The scene under the mouse, without a window.
 
 mod handles;
+mod lights;
 
 use crate::files::Readable;
 use crate::preview::app::tests::settle;
@@ -77,7 +78,7 @@ fn a_drag_orbits_and_one_undo_brings_text_and_picture_back() {
     let ball = before.bodies[1].form.anchor().expect("a centre");
     let from = at(&harness, ball);
     let view = harness.state().scene_view();
-    let (body, seen) = super::gesture::seen_at(view.world, view.image_point(from)).expect("a point of the ball");
+    let (body, seen) = super::sight::seen_at(view.world, view.image_point(from)).expect("a point of the ball");
     assert_eq!(body.0, 1);
     press_and_move(&mut harness, PointerButton::Primary, NONE, from, vec2(120.0, 30.0));
     assert!(harness.state().workshop.moving().is_some() && text(&harness) == written, "the text follows at the end");
@@ -143,7 +144,7 @@ fn the_wheel_goes_closer_and_turns_that_follow_are_one_step() {
     let pearl = scene(&harness).bodies[2].form.anchor().expect("a centre");
     let from = at(&harness, pearl);
     let view = harness.state().scene_view();
-    let (_, pearl) = super::gesture::seen_at(view.world, view.image_point(from)).expect("a point of the pearl");
+    let (_, pearl) = super::sight::seen_at(view.world, view.image_point(from)).expect("a point of the pearl");
     harness.event(Event::PointerMoved(from));
     harness.step();
     for _ in 0..3 {
@@ -232,14 +233,14 @@ fn lights_have_markers_inside_and_outside_the_picture_and_are_dragged() {
     let room = harness.state().pane.area();
     assert!(markers.iter().all(|marker| room.contains(marker.at)), "{markers:?}");
     for marker in markers {
-        let SceneObject::Light(id) = marker.light else { panic!("a light") };
+        let id = marker.light;
         drag(&mut harness, PointerButton::Primary, NONE, marker.at, vec2(-30.0, 20.0));
         let (old, new) = (&before.lights[id.index()].kind, &scene(&harness).lights[id.index()].kind);
         let by = new.anchor().expect("a place") - old.anchor().expect("a place");
         let [right, above, forward] = before.camera.axes();
         assert!(scene(&harness).camera == before.camera, "{marker:?} {:?}", harness.state().pane.area());
         assert!(by.dot(right) < -0.05 && by.dot(above) < -0.05 && by.dot(forward).abs() < 0.02, "{by}");
-        assert_eq!(harness.state().selected_object(), Some(marker.light));
+        assert_eq!(harness.state().selected_object(), Some(SceneObject::Light(id)));
         harness.state_mut().perform(Action::Undo);
         assert!(scene(&harness).lights == before.lights);
         harness.run_steps(2);

@@ -1,8 +1,8 @@
-//! The small row in a corner of the picture that chooses what the handles of the selected body do.
+//! The small row in a corner of the picture that chooses what the handles of the selected thing do.
 
 use crate::preview::app::action::shortcut_of;
+use crate::preview::app::hand::object::has_tool;
 use crate::preview::app::{Action, App, HandleTool, SceneAction};
-use crate::scene::edit::SceneObject;
 use egui::{
     Color32, CornerRadius, Painter, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, WidgetType, vec2,
 };
@@ -14,26 +14,27 @@ const MARGIN: f32 = 10.0;
 const PADDING: f32 = 3.0;
 
 impl App {
-    /// Draws the row if a body is selected.
+    /// Draws the row if what is selected has handles of several tools.
     pub(super) fn tool_row(&self, ui: &Ui, actions: &mut Vec<Action>) {
-        let is_body = matches!(self.selected_object(), Some(SceneObject::Body(_)));
         let view = self.scene_view();
-        let count = HandleTool::ALL.len() as f32;
+        let has_tool = |tool: &HandleTool| view.selected.is_some_and(|object| has_tool(view.world.scene(), object, *tool));
+        let tools: Vec<HandleTool> = HandleTool::ALL.into_iter().filter(has_tool).collect();
+        let count = tools.len() as f32;
         let size = vec2(count * BUTTON + 2.0 * PADDING, BUTTON + 2.0 * PADDING);
         let row = Rect::from_min_size(view.picture().min + Vec2::splat(MARGIN), size);
-        if !self.hand.markers || !is_body || !view.picture().contains_rect(row.expand(MARGIN)) {
+        if !self.hand.markers || tools.len() < 2 || !view.picture().contains_rect(row.expand(MARGIN)) {
             return;
         }
         let painter = ui.painter_at(view.area);
         let visuals = ui.visuals();
         painter.rect(row, 6.0, visuals.window_fill.gamma_multiply(0.92), visuals.window_stroke, StrokeKind::Inside);
-        for (place, tool) in HandleTool::ALL.into_iter().enumerate() {
+        for (place, tool) in tools.into_iter().enumerate() {
             let corner = row.min + vec2(PADDING + place as f32 * BUTTON, PADDING);
             let button = Rect::from_min_size(corner, Vec2::splat(BUTTON));
             let action = Action::Scene(SceneAction::Handles(tool));
             // A drag on it is none on the picture.
             let response = ui.interact(button, ui.id().with(("handles", place)), Sense::click_and_drag());
-            let selected = self.hand.tool() == tool;
+            let selected = view.selected.is_some_and(|object| view.tool_of(object) == tool);
             let info = || WidgetInfo::selected(WidgetType::SelectableLabel, true, selected, tool.name());
             response.widget_info(info);
             let style = ui.style().interact_selectable(&response, selected);
@@ -42,7 +43,7 @@ impl App {
             }
             icon(&painter, button.center(), tool, style.text_color());
             let keys = shortcut_of(&action, ui);
-            let tooltip = format!("{} the selected body with handles ({keys})", tool.name());
+            let tooltip = format!("{} what is selected with handles ({keys})", tool.name());
             if response.on_hover_text(tooltip).clicked() {
                 actions.push(action);
             }

@@ -1,11 +1,13 @@
 //! Points of the scene on the screen, and what of the scene can be taken hold of there.
 
-use super::gesture::{SceneAxis, anchor, distance, seen_at};
+use super::gesture::SceneAxis;
+use super::object::{self, shown_place};
 use super::outline::Outline;
+use super::sight::{anchor, distance, seen_at};
 use crate::preview::app::HandleTool;
 use crate::preview::app::pane::Placement;
 use crate::scene::edit::SceneObject;
-use crate::scene::{BodyId, Camera};
+use crate::scene::{Camera, LightId};
 use crate::world::World;
 use egui::{Pos2, Rect, Vec2, pos2};
 use glam::DVec3;
@@ -29,14 +31,16 @@ pub(in crate::preview::app) enum Grip {
     Object(SceneObject),
     /// An arrow, to move a body or a light along an axis.
     Arrow(SceneObject, SceneAxis),
-    /// The handle of a body's radius.
-    Radius(BodyId),
-    /// A ring, to turn a body about an axis of the scene.
-    Ring(BodyId, SceneAxis),
-    /// A handle along an own axis of a body, to stretch it.
-    Factor(BodyId, SceneAxis),
-    /// The square in the middle of a body, to scale it as a whole.
-    Middle(BodyId),
+    /// The target of a light.
+    Target(LightId),
+    /// The handle of the radius of a body or a light.
+    Radius(SceneObject),
+    /// A ring, to turn a body or a light about an axis of the scene.
+    Ring(SceneObject, SceneAxis),
+    /// A handle along an own axis of a body or a light, to stretch it.
+    Factor(SceneObject, SceneAxis),
+    /// The square in the middle of a body or a light, to scale it as a whole.
+    Middle(SceneObject),
 }
 
 impl Grip {
@@ -44,7 +48,7 @@ impl Grip {
     pub(super) fn is_handle(self) -> bool {
         match self {
             Grip::Object(_) => false,
-            Grip::Arrow(..) | Grip::Radius(_) | Grip::Ring(..) | Grip::Factor(..) | Grip::Middle(_) => true,
+            Grip::Arrow(..) | Grip::Target(_) | Grip::Radius(_) | Grip::Ring(..) | Grip::Factor(..) | Grip::Middle(_) => true,
         }
     }
 }
@@ -52,7 +56,7 @@ impl Grip {
 /// A marker of a light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LightMarker {
-    pub(super) light: SceneObject,
+    pub(super) light: LightId,
     pub(super) at: Pos2,
     /// Where the light is from there, if it is outside the picture: a direction of unit length.
     pub(super) outside: Option<Vec2>,
@@ -75,7 +79,7 @@ pub(in crate::preview::app) struct SceneView<'w> {
     /// The pane.
     pub(in crate::preview::app) area: Rect,
     pub(in crate::preview::app) selected: Option<SceneObject>,
-    /// What the handles of a body do.
+    /// What handles do.
     pub(in crate::preview::app) tool: HandleTool,
     /// The outline of the selected body.
     pub(in crate::preview::app) outline: &'w Outline,
@@ -115,15 +119,14 @@ impl SceneView<'_> {
         Rect::from_two_pos(corners[0], corners[1]).intersect(self.area)
     }
 
-    /// The markers of all lights that are somewhere.
+    /// The markers of all lights that are shown somewhere.
     pub(super) fn light_markers(&self) -> Vec<LightMarker> {
         let scene = self.world.scene();
         let room = self.picture().shrink(INSET);
         if !room.is_positive() {
             return Vec::new();
         }
-        let lights = scene.light_ids().map(SceneObject::Light);
-        let placed = lights.filter_map(|light| Some((light, anchor(scene, light)?)));
+        let placed = scene.light_ids().filter_map(|id| Some((id, shown_place(self.world, SceneObject::Light(id))?)));
         placed
             .map(|(light, point)| match self.project(point).filter(|at| room.contains(*at)) {
                 Some(at) => LightMarker { light, at, outside: None },
@@ -154,10 +157,15 @@ impl SceneView<'_> {
         2.0 * depth * half * f64::from(ARROW / height.max(1.0))
     }
 
-    /// The arrows of the selected thing, from its origin. Lights have no other handles.
+    /// What the handles of a body or a light do. Where it has no handles of the tool, they move it.
+    pub(super) fn tool_of(&self, object: SceneObject) -> HandleTool {
+        if object::has_tool(self.world.scene(), object, self.tool) { self.tool } else { HandleTool::Move }
+    }
+
+    /// The arrows of the selected thing, from its origin.
     pub(super) fn arrows(&self) -> Option<Arrows> {
         let (object, origin) = (self.selected?, self.origin()?);
-        if self.tool != HandleTool::Move && matches!(object, SceneObject::Body(_)) {
+        if self.tool_of(object) != HandleTool::Move {
             return None;
         }
         let anchor = anchor(self.world.scene(), object)?;
@@ -166,22 +174,31 @@ impl SceneView<'_> {
         Some(Arrows { object, origin, tips })
     }
 
-    /// Where the handle of the selected body's radius is.
-    pub(super) fn radius_handle(&self) -> Option<(BodyId, Pos2)> {
-        let SceneObject::Body(id) = self.selected.filter(|_| self.tool == HandleTool::Move)? else { return None };
-        let form = &self.world.scene().bodies.get(id.index())?.form;
-        let (anchor, radius) = (form.anchor()?, form.radius()?);
+    /// Where the handle of the radius of the selected thing is.
+    pub(super) fn radius_handle(&self) -> Option<(SceneObject, Pos2)> {
+        let object = self.selected.filter(|object| self.tool_of(*object) == HandleTool::Move)?;
+        let (anchor, radius) = (anchor(self.world.scene(), object)?, object::radius(self.world.scene(), object)?);
         let [right, above, _] = self.camera().axes();
         let at = self.project(anchor + radius * (right - above).normalize())?;
-        self.area.contains(at).then_some((id, at))
+        self.area.contains(at).then_some((object, at))
+    }
+
+    /// Where the target of the selected light is.
+    pub(super) fn target_handle(&self) -> Option<(LightId, Pos2)> {
+        let SceneObject::Light(id) = self.selected? else { return None };
+        let at = self.project(self.world.scene().lights.get(id.index())?.kind.target()?)?;
+        self.picture().contains(at).then_some((id, at))
     }
 
     /// What can be taken hold of at a position of the screen. Markers and handles count if they are shown.
     pub(in crate::preview::app) fn grip_at(&self, at: Pos2, markers: bool) -> Option<Grip> {
         let near = |point: Pos2| point.distance(at) <= REACH;
         if markers {
-            if let Some((id, _)) = self.radius_handle().filter(|(_, point)| near(*point)) {
-                return Some(Grip::Radius(id));
+            if let Some((object, _)) = self.radius_handle().filter(|(_, point)| near(*point)) {
+                return Some(Grip::Radius(object));
+            }
+            if let Some((id, _)) = self.target_handle().filter(|(_, point)| near(*point)) {
+                return Some(Grip::Target(id));
             }
             if let Some(Arrows { object, origin, tips }) = self.arrows() {
                 let arrow = tips.into_iter().find(|(_, tip)| is_on_arrow(at, origin, *tip));
@@ -192,11 +209,13 @@ impl SceneView<'_> {
                     return Some(Grip::Object(object));
                 }
             }
-            if let Some(grip) = self.body_handle_at(at) {
+            if let Some(grip) = self.turning_or_scaling_handle_at(at) {
                 return Some(grip);
             }
-            if let Some(marker) = self.light_markers().into_iter().find(|marker| near(marker.at)) {
-                return Some(Grip::Object(marker.light));
+            let markers = || self.light_markers().into_iter().filter(|marker| near(marker.at));
+            let selected = markers().find(|marker| self.selected == Some(SceneObject::Light(marker.light)));
+            if let Some(marker) = selected.or_else(|| markers().next()) {
+                return Some(Grip::Object(SceneObject::Light(marker.light)));
             }
         }
         let [x, y] = self.image_point(at);
@@ -211,13 +230,16 @@ impl SceneView<'_> {
         let object = match grip {
             Grip::Object(object) | Grip::Arrow(object, _) => object,
             // Turned and scaled about its anchor.
-            Grip::Ring(id, _) | Grip::Factor(id, _) | Grip::Middle(id) | Grip::Radius(id) => {
-                let anchor = anchor(self.world.scene(), SceneObject::Body(id));
+            Grip::Ring(object, _) | Grip::Factor(object, _) | Grip::Middle(object) | Grip::Radius(object) => {
+                let anchor = anchor(self.world.scene(), object);
                 return anchor.unwrap_or_else(|| self.camera().point_at(from, distance(self.world)));
             }
+            Grip::Target(id) => {
+                let target = self.world.scene().lights.get(id.index()).and_then(|light| light.kind.target());
+                return target.unwrap_or_else(|| self.camera().point_at(from, distance(self.world)));
+            }
         };
-        let anchor = anchor(self.world.scene(), object);
-        match (anchor, object) {
+        match (shown_place(self.world, object), object) {
             (_, SceneObject::Body(id))
                 if let Some((body, point)) = seen_at(self.world, from)
                     && body == id =>

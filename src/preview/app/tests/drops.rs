@@ -61,7 +61,7 @@ fn a_dropped_mesh_becomes_a_body_that_stands_where_it_was_dropped() {
     let at = harness.state().pane.area().center() + egui::vec2(12.0, 10.0);
     let point = {
         let view = harness.state().scene_view();
-        crate::preview::app::hand::gesture::seen_at(view.world, view.image_point(at)).expect("the floor").1
+        crate::preview::app::hand::sight::seen_at(view.world, view.image_point(at)).expect("the floor").1
     };
     harness.input_mut().events.push(egui::Event::PointerMoved(at));
     drop_on(&mut harness, &[&mesh, &other]);

@@ -49,7 +49,7 @@ fn a_ring_turns_a_body_by_the_angle_of_the_pointer_about_its_middle() {
     let written = "b: box, <0.5, 0, -0.5>, <1.5, 1, 0.5>, matte; // a box";
     let mut harness = seen_from_above(written, HandleTool::Rotate);
     let [from, to] = quarter(&harness, DVec3::Y);
-    assert_eq!(harness.state().scene_view().grip_at(from, true), Some(Grip::Ring(BodyId(0), SceneAxis::Y)));
+    assert_eq!(harness.state().scene_view().grip_at(from, true), Some(Grip::Ring(SceneObject::Body(BodyId(0)), SceneAxis::Y)));
     assert_eq!(harness.state().scene_view().grip_at(from, false), None, "hidden handles are none");
     press_and_move(&mut harness, PointerButton::Primary, NONE, from, to - from);
     let words = harness.state().hand.gesture.as_ref().and_then(|(gesture, _)| gesture.words()).expect("words");
@@ -80,7 +80,7 @@ fn a_ring_that_is_seen_from_its_edge_is_turned_along_it() {
     let (centre, radius) = (at(&harness, DVec3::ZERO), super::super::handles::RING as f32 * super::super::view::ARROW);
     // Beside the middle, on the line of the ring about x, which leads up.
     let from = centre + vec2(0.0, -0.4 * radius);
-    assert_eq!(view.grip_at(from, true), Some(Grip::Ring(BodyId(0), SceneAxis::X)));
+    assert_eq!(view.grip_at(from, true), Some(Grip::Ring(SceneObject::Body(BodyId(0)), SceneAxis::X)));
     // Up in the picture is -z: what is on top goes there, so the turn about x is against the clock.
     drag(&mut harness, PointerButton::Primary, NONE, from, vec2(0.0, -0.5 * radius));
     let Some(crate::scene::Transform::Rotate { axis, degrees }) = scene(&harness).bodies[0].form.transforms.first().copied()
@@ -107,7 +107,7 @@ fn factors_are_along_the_own_axes_of_a_body_and_the_middle_scales_it_as_a_whole(
     drag(&mut harness, PointerButton::Primary, Modifiers::CTRL, tip, -0.48 * (tip - origin));
     assert_eq!(line(&harness), turned.replace(", rotate", ", scale <1, 1, 1>, rotate").replace(", scale <1, 1, 1>", ""));
     // To the right is larger.
-    assert_eq!(harness.state().scene_view().grip_at(origin, true), Some(Grip::Middle(BodyId(0))));
+    assert_eq!(harness.state().scene_view().grip_at(origin, true), Some(Grip::Middle(SceneObject::Body(BodyId(0)))));
     let points = super::super::FACTOR_POINTS * std::f32::consts::LN_2;
     drag(&mut harness, PointerButton::Primary, NONE, origin, vec2(points, 0.0));
     assert_eq!(line(&harness), turned.replace("-1, 0>", "-2, 0>").replace("1, 0>, radius 0.5", "2, 0>, radius 1"));
