@@ -15,7 +15,7 @@ use glam::DVec3;
 
 /// The distance of what is infinitely far away. Its square fits no `f32`, so light that gets weaker with the square of
 /// the distance is 0.
-const INFINITELY_FAR: f64 = 1e30;
+pub const INFINITELY_FAR: f64 = 1e30;
 
 /// What a kind of emitter answers. Each kind implements it in a file of its own.
 trait Emit {

@@ -22,7 +22,7 @@ mod surface;
 
 pub use assets::Assets;
 pub use bounds::Bounds;
-pub use emitter::{Emitter, EmitterId, LightSample};
+pub use emitter::{Emitter, EmitterId, INFINITELY_FAR, LightSample};
 pub use hit::{Intersection, SurfaceHit};
 pub use meshes::{MeshKey, Meshes, MissingMesh};
 pub use ray::{Departure, PrimitiveId, Ray, Side};

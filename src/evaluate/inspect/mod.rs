@@ -177,13 +177,14 @@ impl<'i> Inspector<'i> {
             occluders.sort_by(|one, other| one.distance.total_cmp(&other.distance));
             occluders.into_iter().map(|occluder| occluder.body).collect()
         };
+        let sample = tracer.sample(emitter, surface, key);
         let visibility = match (tracer.reaches(emitter, surface, key), tracer.faces(emitter, surface, key)) {
             (true, _) => Visibility::Lit,
+            (false, _) if !sample.is_lit() => Visibility::Dark,
             (false, true) => Visibility::Shadowed(between()),
             (false, false) => Visibility::Away(between()),
         };
         let evaluated = node.lights.iter().any(|light| light.emitter == emitter);
-        let sample = tracer.sample(emitter, surface, key);
         let variables = LightVariables::new(surface, &sample, tracer.is_visible(emitter, surface, key));
         let values = self.values(surface.body, Some(light), &|symbol| variable(symbol, hit, &variables));
         let local = values[self.formula.result.0 as usize];

@@ -143,8 +143,10 @@ pub struct InspectedLight {
 /// Whether a light reaches a hit.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Visibility {
-    /// It does. Without shadow rays every light does.
+    /// It does. Without shadow rays every light does that sends something there.
     Lit,
+    /// It sends nothing there: the hit is outside its cone.
+    Dark,
     /// It is behind the surface: N·L ≤ 0. These bodies are in between, the nearest to the hit first: this one, if the
     /// light would have to pass through it.
     Away(Vec<BodyId>),

@@ -269,6 +269,25 @@ fn a_formula_that_reads_visible_adds_lights_behind_the_surface_and_in_shadows() 
     assert!(text.contains("own = <0.32, 0.16, 0.08> + <0.2, 0.1, 0.05> + "), "{text}");
 }
 
+#[test]
+fn what_is_outside_a_cone_and_what_is_infinitely_far_away_is_said() {
+    let scene = format!(
+        "bodies; ball: sphere, center <0,0,0>, radius 1;
+         lights; beam: spot, <0,3,5>, target <0,9,5>, angle 20; sun: directional, <0,-3,-4>; {PREFETCH_DISTANCE}"
+    );
+    for formula in ["formula; = IL*Cd*max(0, N.L);", "formula; = IL*Cd*max(0, N.L)*(0.5 + 0.5*visible);"] {
+        let bench = Bench::new(formula, &scene, &["ball.Cd=<1, 0.5, 0>", "ka=0"]);
+        let inspection = bench.inspect();
+        let hit = inspection.hit(0).expect("a hit");
+        let visible: Vec<&Visibility> = hit.lights.iter().map(|light| &light.visibility).collect();
+        assert_eq!(visible, [&Visibility::Dark, &Visibility::Lit]);
+        alike(hit.lights[1].contribution, [0.8, 0.4, 0.0]);
+        let text = bench.inspector().text(&inspection);
+        assert!(text.contains("light `beam`: sends nothing here, 36.87° from the normal, distance 5\n"), "{text}");
+        assert!(text.contains("light `sun`: 36.87° from the normal, infinitely far away\n"), "{text}");
+    }
+}
+
 /// The lines of an instance at the pixel of a sphere with a light at 0.8 from the normal, calls with two spaces.
 fn instance_lines(formula: &str) -> Vec<String> {
     let scene = format!("bodies; ball: sphere, center <0,0,0>, radius 1; lights; key: point, <0,3,5>; {PREFETCH_DISTANCE}");

@@ -11,7 +11,7 @@ use crate::lang::surface_terms::SurfaceTerm;
 use crate::lang::variables::Predefined;
 use crate::scene::BodyId;
 use crate::trace::Edge;
-use crate::world::Side;
+use crate::world::{INFINITELY_FAR, Side};
 use glam::DVec3;
 
 /// The longest line of equal expressions, in characters without its indentation. Longer ones stand below each other.
@@ -136,13 +136,18 @@ impl InspectionWriter<'_> {
     fn light(&mut self, hit: &InspectedHit, light: &InspectedLight) {
         let scene = self.inspector.world.scene();
         let name = &scene.light(light.light).name;
-        let position = format!("{} from the normal, distance {}", angle(light.angle), scalar(light.variables.distance));
+        let distance = match light.variables.distance {
+            distance if distance < INFINITELY_FAR as f32 => format!("distance {}", scalar(distance)),
+            _ => "infinitely far away".to_owned(),
+        };
+        let position = format!("{} from the normal, {distance}", angle(light.angle));
         let shadow = |bodies: &[BodyId]| {
             let names: Vec<String> = bodies.iter().map(|body| format!("`{}`", scene.body(*body).name)).collect();
             format!("in the shadow of {}, ", names.join(", "))
         };
         let state = match &light.visibility {
             Visibility::Lit => String::new(),
+            Visibility::Dark => "sends nothing here, ".to_owned(),
             Visibility::Away(bodies) if light.evaluated && !bodies.is_empty() => {
                 format!("behind the surface, {}", shadow(bodies))
             }

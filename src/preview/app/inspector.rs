@@ -218,6 +218,7 @@ fn light_ui(ui: &mut Ui, workshop: &Workshop, hit: &InspectedHit, light: &Inspec
     };
     let position = match &light.visibility {
         Visibility::Lit => None,
+        Visibility::Dark => Some("sends nothing here".to_owned()),
         Visibility::Away(bodies) if light.evaluated && !bodies.is_empty() => {
             Some(format!("behind the surface, {}", shadow(bodies)))
         }
