@@ -53,7 +53,7 @@ pub(super) struct Hand {
     gesture: Option<(Gesture, GestureEnd)>,
     /// Whether markers are shown.
     pub(super) markers: bool,
-    /// What the handles of a body do.
+    /// What handles do.
     tool: HandleTool,
     /// What is selected, and when it was.
     selected: (Option<SceneObject>, f64),
@@ -83,7 +83,7 @@ impl Default for Hand {
 }
 
 impl Hand {
-    /// What the handles of a body do.
+    /// What handles do.
     pub(super) fn tool(&self) -> HandleTool {
         self.tool
     }

@@ -88,9 +88,9 @@ pub(super) const OTHER_KEYS: [(KeyGroup, &str, &str); 28] = [
         "Drag the selected",
         "Move a body or a light parallel to the picture; hold X, Y or Z for an axis, or drag an arrow (a floor: only so)",
     ),
-    (KeyGroup::Scene, "Drag the square", "Change the radius of a round body"),
-    (KeyGroup::Scene, "Drag a ring", "Rotate the selected body about an axis of the scene"),
-    (KeyGroup::Scene, "Drag a small box", "Scale the body along one of its own axes; the one in the middle scales it as a whole"),
+    (KeyGroup::Scene, "Drag the square", "Change the radius of a round body or light; on the target of a spot, move that"),
+    (KeyGroup::Scene, "Drag a ring", "Rotate the selected body or light about an axis of the scene"),
+    (KeyGroup::Scene, "Drag a small box", "Scale it along one of its own axes; the one in the middle scales it as a whole"),
     (KeyGroup::Scene, "Ctrl+Drag a handle", "Snap to 15 degrees, to tenths of the size, or to round distances"),
     (KeyGroup::Scene, "Right click", "Menu of the scene"),
 ];

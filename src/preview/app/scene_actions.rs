@@ -25,7 +25,7 @@ pub enum SceneAction {
     Remove,
     /// Show or hide the markers in the picture.
     ToggleMarkers,
-    /// Let the handles of the selected body do this.
+    /// Let the handles of what is selected do this.
     Handles(HandleTool),
 }
 
@@ -45,7 +45,7 @@ impl MeshSpot {
     pub(super) const MIDDLE: MeshSpot = MeshSpot { at: [0.0; 2], rank: 0, count: 1 };
 }
 
-/// What the handles over the picture do with the selected body.
+/// What the handles over the picture do with the selected body or light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum HandleTool {
     /// Arrows move it.
@@ -102,7 +102,7 @@ pub(super) fn scene_shortcuts() -> Vec<Shortcut<SceneAction>> {
     ];
     camera.extend(sides.map(|(key, side)| (plain(key), SceneAction::View(side), about(side))));
     let handles = |tool| match tool {
-        HandleTool::Move => (plain(Key::W), SceneAction::Handles(tool), "Handles that move the selected body"),
+        HandleTool::Move => (plain(Key::W), SceneAction::Handles(tool), "Handles that move the selected body or light"),
         HandleTool::Rotate => (plain(Key::E), SceneAction::Handles(tool), "Handles that rotate it"),
         HandleTool::Scale => (plain(Key::R), SceneAction::Handles(tool), "Handles that scale it"),
     };

@@ -1,4 +1,4 @@
-//! Draws markers over the picture: lights, the outline of the selected body, and its handles.
+//! Draws markers over the picture: lights with their shapes, the outline of the selected body, and handles.
 
 use super::gesture::{Gesture, Motion, SceneAxis, Sweep};
 use super::handles::{FactorHandles, RING, Ring};
@@ -44,7 +44,8 @@ pub(super) fn draw(painter: &Painter, view: &SceneView<'_>, hovered: Option<Grip
             (false, true) => SELECTED,
             (false, false) => LIGHT,
         };
-        draw_light_shape(painter, &view.light_shape(marker.light), colour, is_hovered || is_selected);
+        let inside = painter.with_clip_rect(view.picture());
+        draw_light_shape(&inside, &view.light_shape(marker.light), colour, is_hovered || is_selected);
         draw_light(painter, view, &marker, colour);
     }
     draw_arrows(painter, view, hovered);
