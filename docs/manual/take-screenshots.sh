@@ -17,7 +17,7 @@ picture() {
     local name=$1
     shift
     wanted "$name" || return 0
-    "$program" render "$@" --size 400x225 --samples 3 -o "$images/$name.png"
+    "$program" render "$@" --size 400x225 --samples 16 -o "$images/$name.png"
 }
 
 home=$(mktemp -d)

@@ -108,11 +108,24 @@ impl Interpreted {
         Instantiation { code: &self.code, equation: self.equation, world: &self.world }
     }
 
+    /// The same for this many passes from the first one on, at least 1.
+    #[must_use]
+    pub fn with_passes(self, passes: u32) -> Self {
+        let view = self.passes[0];
+        Self { passes: (0..passes.max(1)).map(|pass| view.with_pass(pass)).collect(), ..self }
+    }
+
     /// The program of a pixel in the first pass, counted row by row from the top left.
     pub fn program(&self, pixel: u32) -> Programs {
         let mut programs = Programs::new();
-        programs.add(&self.instantiation(), &ray_tree(&Tracer::new(&self.world, &self.passes[0]), pixel, self.lights));
+        self.add_program(pixel, 0, &mut programs);
         programs
+    }
+
+    /// Appends the program of a pixel in the pass of this index, which is less than [`passes`](Evaluator::passes).
+    pub fn add_program(&self, pixel: u32, pass: usize, programs: &mut Programs) {
+        let tracer = Tracer::new(&self.world, &self.passes[pass]);
+        programs.add(&self.instantiation(), &ray_tree(&tracer, pixel, self.lights));
     }
 
     /// The picture of these parameter numbers, see [`Evaluator::frame`], and its cost.

@@ -75,11 +75,15 @@ impl Verification {
     }
 }
 
-/// Compares the backends on these parameter numbers.
+/// Compares the backends on these parameter numbers. Both have the same passes.
 pub fn verify(compiled: &dyn Evaluator, interpreted: &Interpreted, parameters: &[f32]) -> Verification {
-    let one = compiled.frame(parameters);
-    let other = interpreted.frame(parameters);
-    compare(&one, &other, |difference| judge::excuses(interpreted, parameters, difference))
+    let frames = [compiled.frame(parameters), interpreted.frame(parameters)];
+    verify_pictures(frames.each_ref(), interpreted, parameters)
+}
+
+/// Compares the pictures of these parameter numbers: that of compiled code, and that of the interpreter.
+pub fn verify_pictures([compiled, other]: [&Frame; 2], interpreted: &Interpreted, parameters: &[f32]) -> Verification {
+    compare(compiled, other, |difference| judge::excuses(interpreted, parameters, difference))
 }
 
 fn compare(compiled: &Frame, interpreted: &Frame, excuse: impl Fn(&Difference) -> bool) -> Verification {

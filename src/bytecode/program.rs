@@ -72,7 +72,7 @@ pub struct Program<'p> {
     pub code: &'p [u8],
 }
 
-/// The programs of consecutive pixels.
+/// The programs of consecutive pixels, or of one pixel in consecutive passes.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Programs {
     code: Vec<u8>,

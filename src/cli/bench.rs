@@ -2,7 +2,7 @@
 
 use crate::cli::engine;
 use crate::cli::input::load;
-use crate::cli::options::InputOptions;
+use crate::cli::options::{InputOptions, PassOptions};
 use crate::cli::progress::Progress;
 use crate::cli::report::{Failure, print, print_json};
 use clap::Args;
@@ -88,7 +88,7 @@ struct Slider {
 
 /// Measures and reports.
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
-    let input = load(&options.input)?;
+    let input = load(&options.input, &PassOptions::default())?;
     let all = sliders(&input.values);
     let wanted = options.slider.iter().map(|label| find(&input.values, &all, label)).collect::<Result<Vec<_>, _>>()?;
     let wanted = if wanted.is_empty() { all } else { wanted };

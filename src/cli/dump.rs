@@ -3,7 +3,7 @@
 use crate::cli::engine;
 use crate::cli::hits;
 use crate::cli::input::load;
-use crate::cli::options::InputOptions;
+use crate::cli::options::{InputOptions, PassOptions};
 use crate::cli::report::{Failure, print};
 use clap::{Args, ValueEnum};
 use illuminator::bytecode::FormulaCode;
@@ -21,6 +21,8 @@ use std::path::PathBuf;
 pub(super) struct Options {
     #[command(flatten)]
     input: InputOptions,
+    #[command(flatten)]
+    passes: PassOptions,
     /// What to show
     #[arg(long, value_enum)]
     stage: Stage,
@@ -60,7 +62,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     if options.output.is_some() && options.stage != Stage::Hits {
         return Err(Failure::command_line("`--output` goes with `--stage hits`; the other stages are printed"));
     }
-    let input = load(&options.input)?;
+    let input = load(&options.input, &options.passes)?;
     let listing = || CompiledFormula::listing(&input.subject.formula).map_err(|error| Failure::input(error.to_string()));
     match options.stage {
         Stage::Ast => print(&tree(&parser::parse(&input.formula_text).0)),

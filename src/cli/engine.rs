@@ -34,16 +34,12 @@ pub(super) fn failed(error: EngineError) -> Failure {
     Failure::Input(if error.is_memory() { diagnostic.help("`--memory SIZE` allows more") } else { diagnostic })
 }
 
-/// The picture: the mean of `samples` × `samples` rays for each pixel. It may contain NaN.
-pub(super) fn picture(
-    project: &Project,
-    samples: u32,
-    backend: &BackendChoice,
-    options: &MachineOptions,
-) -> Result<Frame, Failure> {
-    let progress = Progress::new("tracing");
+/// The picture, the mean of its passes. It may contain NaN.
+pub(super) fn picture(project: &Project, backend: &BackendChoice, options: &MachineOptions) -> Result<Frame, Failure> {
+    let passes = project.picture.passes();
+    let progress = Progress::of_passes("tracing", passes);
     let tell = |share: f64| progress.tell(share);
-    let picture = engine(backend, options).picture(&project.subject, project.values.numbers(), samples, &Task::watched(&tell));
+    let picture = engine(backend, options).picture(&project.subject, project.values.numbers(), passes, &Task::watched(&tell));
     picture.map_err(failed)
 }
 

@@ -1,6 +1,6 @@
 //! Opens what the options name, and reports everything that is wrong with it.
 
-use crate::cli::options::{ColourArgument, InputOptions};
+use crate::cli::options::{ColourArgument, InputOptions, PassOptions};
 use crate::cli::progress::Progress;
 use crate::cli::report::{Failure, explain, say, say_lines};
 use illuminator::engine::Task;
@@ -48,7 +48,7 @@ pub(super) fn data_folder() -> Option<PathBuf> {
 }
 
 /// Opens the session, formula and scene that the options name.
-pub(super) fn load(options: &InputOptions) -> Result<Project, Failure> {
+pub(super) fn load(options: &InputOptions, passes: &PassOptions) -> Result<Project, Failure> {
     let given = |text: &Option<std::ffi::OsString>| text.as_ref().map(Location::new);
     let (formula, scene) = (given(&options.formula), given(&options.scene));
     let session = match (&options.session, &formula, &scene) {
@@ -66,7 +66,7 @@ pub(super) fn load(options: &InputOptions) -> Result<Project, Failure> {
         materials: &options.materials,
         data: data_folder(),
         set: &options.settings,
-        picture: Some(&|picture| change_picture(options, picture)),
+        picture: Some(&|picture| change_picture(options, passes, picture)),
         background: options.background.map(|ColourArgument(value)| value),
         memory: Some(options.machine.memory.unwrap_or_else(usable_memory)),
         task: Some(Task::watched(&tell)),
@@ -78,10 +78,11 @@ pub(super) fn load(options: &InputOptions) -> Result<Project, Failure> {
 }
 
 /// The picture settings of the command line.
-fn change_picture(options: &InputOptions, picture: &mut PictureSettings) {
+fn change_picture(options: &InputOptions, passes: &PassOptions, picture: &mut PictureSettings) {
     picture.size = options.size.unwrap_or(picture.size);
     picture.depth = options.depth.unwrap_or(picture.depth);
     picture.shadows = !options.no_shadows && (options.shadows || picture.shadows);
+    picture.samples = passes.samples.or(picture.samples);
     picture.default_index = options.ior.unwrap_or(picture.default_index);
 }
 

@@ -6,7 +6,7 @@ use illuminator::backends::{BackendChoice, CHOICES, DEFAULT, named};
 use illuminator::lang::ast::Constant;
 use illuminator::lang::display_text::one_line;
 use illuminator::picture::{EXPOSURES, ToneCurve, Transfer, ViewTransform};
-use illuminator::trace::{MAX_DEPTH, MAX_SIDE};
+use illuminator::trace::{MAX_DEPTH, MAX_PASSES, MAX_SIDE};
 use illuminator::workspace::NamedAssignment;
 use illuminator::workspace::assignment::parse_value;
 use illuminator::workspace::materials::MaterialAssignment;
@@ -64,6 +64,15 @@ pub(super) struct MachineOptions {
     pub(super) memory: Option<u64>,
 }
 
+/// How many passes a picture is the mean of.
+#[derive(Args, Debug, Default)]
+pub(super) struct PassOptions {
+    /// Take the mean of N passes, 1 to 65536: in each, rays go through other points of their pixels, and hits take other
+    /// points of lights [default: that of the session, or 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_PASSES)))]
+    pub(super) samples: Option<u32>,
+}
+
 /// How pictures are made and written.
 #[derive(Args, Debug)]
 pub(super) struct PictureOptions {
@@ -79,9 +88,8 @@ pub(super) struct PictureOptions {
     /// Tone curve [default: that of the session]
     #[arg(long, value_name = "NAME", value_parser = ToneCurve::ALL.map(ToneCurve::name))]
     curve: Option<String>,
-    /// Use N × N rays for each pixel on a regular grid, 1 to 16
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
-    pub(super) samples: u32,
+    #[command(flatten)]
+    pub(super) passes: PassOptions,
     /// Backend that evaluates the formula: compiled code, or the reference interpreter
     #[arg(long, default_value = DEFAULT.name, value_parser = CHOICES.map(|choice| choice.name))]
     backend: String,

@@ -28,13 +28,12 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     if format == Format::Exr {
         options.picture.warn_of_linear_files();
     }
-    let input = load(&options.input)?;
+    let input = load(&options.input, &options.picture.passes)?;
     if let PictureTarget::File(path, _) = target {
         check_distinct(path, &input.files)?;
     }
     let machine = &options.input.machine;
-    let mut frame =
-        engine::on_threads(machine, || engine::picture(&input, options.picture.samples, options.picture.backend(), machine))??;
+    let mut frame = engine::on_threads(machine, || engine::picture(&input, options.picture.backend(), machine))??;
     let view = options.picture.view(input.picture.view);
     warn_of_picture(&input, &frame, view);
     frame.clean();

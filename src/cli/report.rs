@@ -99,10 +99,12 @@ pub(super) fn warn(message: impl AsRef<str>) {
 /// Warns of what is remarkable about a picture that still has its NaN.
 pub(super) fn warn_of_picture(project: &Project, frame: &Frame, transform: ViewTransform) {
     let Subject { formula, world, view } = &project.subject;
-    let picture = ReviewedPicture { formula, world, view, numbers: project.values.numbers(), transform };
+    let (passes, numbers) = (project.picture.passes(), project.values.numbers());
+    let picture = ReviewedPicture { formula, world, view, passes, numbers, transform };
     let Some(finding) = review(&picture, &PictureSummary::of(frame)) else { return };
-    let look = |[x, y]: [u32; 2]| {
-        format!("`illuminator dump --stage rays --pixel {x},{y}`, with the same input, shows the numbers there")
+    let look = |([x, y], pass): ([u32; 2], Option<u32>)| {
+        let pass = pass.map_or_else(String::new, |pass| format!(" --pass {pass}"));
+        format!("`illuminator dump --stage rays --pixel {x},{y}{pass}`, with the same input, shows the numbers there")
     };
     say(&Diagnostic::warning(finding.message()).help_if(finding.pixel().map(look)));
 }

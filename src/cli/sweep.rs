@@ -1,6 +1,6 @@
 //! `illuminator sweep`: pictures that differ in one or two values, on a contact sheet or in numbered files.
 //!
-//! Rays are traced once, because only values change from picture to picture.
+//! Rays are traced once in each pass, because only values change from picture to picture.
 
 mod cells;
 mod findings;
@@ -101,7 +101,7 @@ fn by_name(values: &[(String, Vec<f32>)]) -> BTreeMap<&str, Numbers<'_>> {
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let target = SweepTarget::new(&options.output)?;
     check_options(options, &target)?;
-    let input = load(&options.input)?;
+    let input = load(&options.input, &options.picture.passes)?;
     let varied = resolve(&options.vary, &input)?;
     let count = cells::count(&varied)?;
     target.check(count, &input.files)?;
@@ -220,14 +220,16 @@ fn make(options: &Options, output: &mut SweepOutput) -> Result<(), Failure> {
         engine = engine.with_memory(allowed - needed);
         output.bitmap = Some(sheet.draw());
     }
-    let progress = Progress::new(match cells.len() {
+    let passes = project.picture.passes();
+    let what = match cells.len() {
         1 => "1 picture".to_owned(),
         count => format!("{count} pictures"),
-    });
+    };
+    let progress = Progress::of_passes(what, passes);
     let tell = |share: f64| progress.tell(share);
     let numbers: Vec<&[f32]> = cells.iter().map(|cell| cell.numbers.as_slice()).collect();
     engine
-        .pictures(&project.subject, &numbers, picture.samples, &Task::watched(&tell), |index, frame, time| {
+        .pictures(&project.subject, &numbers, passes, &Task::watched(&tell), |index, frame, time| {
             Ok(output.take(index, frame, time)?)
         })
         .map_err(|problem: Problem| problem.0)

@@ -1,42 +1,45 @@
-//! `illuminator verify`: whether the backends agree.
+//! `illuminator verify`: whether the backends agree, in the mean of the passes of a picture.
 
 use crate::cli::engine;
 use crate::cli::input::load;
-use crate::cli::options::InputOptions;
-use crate::cli::progress::Progress;
+use crate::cli::options::{InputOptions, PassOptions};
 use crate::cli::report::{Failure, print, warn_of_picture};
 use clap::Args;
-use illuminator::backends::DEFAULT;
-use illuminator::backends::verify::{TOLERANCE, Verification, verify};
-use illuminator::engine::Task;
+use illuminator::backends::verify::{TOLERANCE, Verification, verify_pictures};
+use illuminator::backends::{DEFAULT, REFERENCE};
 
 /// Options of `verify`.
 #[derive(Args, Debug)]
 pub(super) struct Options {
     #[command(flatten)]
     input: InputOptions,
+    #[command(flatten)]
+    passes: PassOptions,
 }
 
 /// Compares the backends. It is a failure if they differ.
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
-    let input = load(&options.input)?;
+    let input = load(&options.input, &options.passes)?;
     let machine = &options.input.machine;
+    let passes = input.picture.passes();
     let verification = engine::on_threads(machine, || {
-        let progress = Progress::new("tracing");
-        let tell = |share: f64| progress.tell(share);
-        let engine = engine::engine(&DEFAULT, machine);
-        let compiled = engine.evaluator(&input.subject, input.values.numbers(), &Task::watched(&tell)).map_err(engine::failed)?;
-        warn_of_picture(&input, &compiled.frame(input.values.numbers()), input.picture.view);
-        Ok::<_, Failure>(verify(&*compiled, &engine::interpreter(&input.subject)?, input.values.numbers()))
+        let compiled = engine::picture(&input, &DEFAULT, machine)?;
+        warn_of_picture(&input, &compiled, input.picture.view);
+        let interpreted = engine::picture(&input, &REFERENCE, machine)?;
+        let reference = engine::interpreter(&input.subject)?.with_passes(passes);
+        Ok::<_, Failure>(verify_pictures([&compiled, &interpreted], &reference, input.values.numbers()))
     })??;
-    print(&describe(&verification, input.subject.view.width()))?;
+    print(&describe(&verification, passes, input.subject.view.width()))?;
     if verification.passes() { Ok(()) } else { Err(Failure::Reported) }
 }
 
-fn describe(found: &Verification, width: u32) -> String {
+fn describe(found: &Verification, passes: u32, width: u32) -> String {
     let share = |count: usize| 100.0 * count as f64 / found.components.max(1) as f64;
     let counted = |what: &str, count: usize| format!("{what:<34}{count:>10}  {:.4} %\n", share(count));
     let mut text = format!("{:<34}{:>10}\n", "components compared", found.components);
+    if passes > 1 {
+        text.push_str(&format!("{:<34}{passes:>10}\n", "each the mean of passes"));
+    }
     let worst = match &found.worst {
         None => "none".to_owned(),
         Some(worst) => {

@@ -94,9 +94,35 @@ fn backends_agree_and_say_so() {
     assert!(
         told(folder.path(), "verify session.toml --set *.kr=0.4 --set ball.kt=0.5 --depth 4").ends_with("pass\nexit status 0\n")
     );
-    let jit = render(folder.path(), "session.toml --samples 2", "jit.png").into_rgb8();
-    let other = render(folder.path(), "session.toml --samples 2 --backend interpreter", "other.png").into_rgb8();
+    let jit = render(folder.path(), "session.toml --samples 4", "jit.png").into_rgb8();
+    let other = render(folder.path(), "session.toml --samples 4 --backend interpreter", "other.png").into_rgb8();
     assert!(jit.iter().zip(other.iter()).all(|(one, other)| one.abs_diff(*other) <= 1));
+    let said = told(folder.path(), "verify session.toml --samples 4");
+    assert!(
+        said.contains("\neach the mean of passes                    4\n") && said.ends_with("pass\nexit status 0\n"),
+        "{said}"
+    );
+}
+
+#[test]
+fn sessions_say_how_many_passes_and_the_command_line_overrides_them() {
+    let folder = folder();
+    let session = fs::read_to_string(folder.path().join("session.toml")).expect("a session");
+    write(&folder, "four.toml", &session.replace("depth = 2", "depth = 2\nsamples = 4"));
+    let picture = |arguments: &str| render(folder.path(), arguments, "out.exr").into_rgb32f();
+    let (one, four) = (picture("session.toml"), picture("session.toml --samples 4"));
+    assert!(one != four);
+    assert!(picture("four.toml") == four);
+    assert!(picture("four.toml --samples 1") == one);
+    // Edges are smooth: more pixels than before are between the colours of their neighbours.
+    let between = |picture: &image::Rgb32FImage| {
+        let is_between = |pixel: usize| {
+            let [left, own, right] = [pixel - 1, pixel, pixel + 1].map(|at| picture.as_raw()[3 * at]);
+            (own - left).abs() > 0.02 && (own - right).abs() > 0.02 && (left - right).abs() > (own - left).abs()
+        };
+        (1..32 * 24 - 1).filter(|pixel| is_between(*pixel)).count()
+    };
+    assert!(between(&four) > between(&one), "{} {}", between(&four), between(&one));
 }
 
 #[test]

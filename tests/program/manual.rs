@@ -128,7 +128,7 @@ fn in_shell(folder: &Path, line: &str) -> (String, bool) {
     (String::from_utf8(output.stdout).expect("text"), output.status.success())
 }
 
-/// A command with a small size and one ray for each pixel, if it makes a picture.
+/// A command with a small size and one pass, if it makes a picture.
 fn with_small_pictures(command: &str) -> String {
     const MAKING: [&str; 4] = ["illuminator render", "illuminator verify", "illuminator bench", "illuminator sweep"];
     let Some(making) = MAKING.into_iter().find(|making| command.starts_with(making)) else { return command.to_owned() };

@@ -23,7 +23,7 @@ fn command_lines() {
             "render -o out.png --size 0x480",
             "render -o out.png --size 640",
             "render -o out.png --depth 10",
-            "render -o out.png --samples 17",
+            "render -o out.png --samples 65537",
             "render -o out.png --threads 0",
             "render -o out.png --ior -1",
             "render -o out.png --background red",

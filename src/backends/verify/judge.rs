@@ -10,11 +10,16 @@
 //!    ones, and keeps them if the result moves further. So the contributions of different records to a pixel can be
 //!    moved one after the other.
 //!
+//! A pixel may be the mean of several passes. Then its result is the mean of the results of their programs, and the
+//! search goes through the operations of all of them.
+//!
 //! Results below the smallest normal number are flushed to 0. There, that number is the unit in the last place.
 
 use crate::backends::interpreter::Interpreted;
 use crate::backends::verify::{Difference, TOLERANCE, distance};
-use crate::lang::scalars::{Doubles, Floats, Primitive, Recorder, flush};
+use crate::bytecode::Programs;
+use crate::evaluate::Evaluator;
+use crate::lang::scalars::{Doubles, Floats, Primitive, Recorder, Scalars, flush};
 use std::f32::consts::FRAC_PI_2;
 
 /// The largest perturbation of an intermediate result, in units in the last place.
@@ -22,35 +27,80 @@ const PERTURBATION: f32 = 8.0;
 /// Sine, cosine and tangent are accurate up to this angle in radians. For larger angles, the language promises only the
 /// range of the result.
 const ACCURATE_ANGLE: f32 = 1e5;
-/// How many perturbed results are computed before a difference counts as an error.
+/// How many perturbed programs are run before a difference counts as an error, but at least [`FEWEST_TRIALS`] for each
+/// pass.
 const TRIALS: u32 = 8192;
+const FEWEST_TRIALS: u32 = 256;
+/// Programs of passes are kept up to this many bytes. The others are written again for each trial.
+const KEPT_BYTES: usize = 64 << 20;
 
 /// Whether a difference is excused.
 pub(super) fn excuses(interpreted: &Interpreted, parameters: &[f32], difference: &Difference) -> bool {
-    let programs = interpreted.program(difference.pixel as u32);
-    let exact = programs.run(&mut Doubles, 0, parameters, &mut programs.memory(0.0))[difference.component];
-    if distance(difference.compiled, exact as f32) <= TOLERANCE {
+    let trials = (TRIALS / interpreted.passes() as u32).max(FEWEST_TRIALS);
+    let mean = MeanOfPasses::new(interpreted, parameters, difference, KEPT_BYTES);
+    if distance(difference.compiled, mean.of(&mut Doubles, 0.0) as f32) <= TOLERANCE {
         return true;
     }
-    let moved_by = |moved: f32| distance(moved, difference.interpreted);
+    let moved_by = |moved: f64| distance(moved as f32, difference.interpreted);
     let enough = difference.size() - TOLERANCE;
-    let unrounded = programs.run(&mut Unrounded, 0, parameters, &mut programs.memory(0.0))[difference.component];
-    if moved_by(unrounded as f32) >= enough {
+    if moved_by(mean.of(&mut Unrounded, 0.0)) >= enough {
         return true;
     }
-    let mut memory = programs.memory(0.0);
     let mut random = Random::new(difference.pixel);
     let mut best = Perturbations::default();
     let mut farthest = 0.0;
-    (0..TRIALS).any(|_| {
+    (0..trials).any(|_| {
         let mut trial = best.varied(&mut random);
-        let moved = moved_by(programs.run(&mut trial, 0, parameters, &mut memory)[difference.component]);
+        let moved = moved_by(mean.of(&mut trial, 0.0));
         if moved >= farthest {
             farthest = moved;
             best = trial;
         }
         moved >= enough
     })
+}
+
+/// A component of a pixel as the mean of passes.
+struct MeanOfPasses<'m> {
+    interpreted: &'m Interpreted,
+    parameters: &'m [f32],
+    pixel: u32,
+    component: usize,
+    /// The programs of the first passes.
+    kept: Programs,
+}
+
+impl<'m> MeanOfPasses<'m> {
+    /// The pixel and the component of a difference. About this many bytes of programs are kept.
+    fn new(interpreted: &'m Interpreted, parameters: &'m [f32], difference: &Difference, bytes: usize) -> Self {
+        let (pixel, mut kept) = (difference.pixel as u32, Programs::new());
+        for pass in 0..interpreted.passes() {
+            interpreted.add_program(pixel, pass, &mut kept);
+            if kept.bytes() > bytes {
+                break;
+            }
+        }
+        Self { interpreted, parameters, pixel, component: difference.component, kept }
+    }
+
+    /// The mean under a meaning of the operations, which are met in the order of the passes.
+    fn of<M>(&self, meaning: &mut M, zero: M::Value) -> f64
+    where
+        M: Scalars<Value: PartialEq + Into<f64>>,
+    {
+        let mut memory = self.kept.memory(zero);
+        let mut sum = 0.0;
+        for index in 0..self.kept.len() {
+            sum += self.kept.run(meaning, index, self.parameters, &mut memory)[self.component].into();
+        }
+        let mut other = Programs::new();
+        for pass in self.kept.len()..self.interpreted.passes() {
+            other.clear();
+            self.interpreted.add_program(self.pixel, pass, &mut other);
+            sum += other.run(meaning, 0, self.parameters, &mut other.memory(zero))[self.component].into();
+        }
+        sum / self.interpreted.passes() as f64
+    }
 }
 
 /// The reference meaning in `f64`, with the range of `f32`.
@@ -164,7 +214,6 @@ impl Random {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::Evaluator;
     use crate::formula::Formula;
     use crate::formula::layout::Layout;
     use crate::lang::source::Source;
@@ -198,10 +247,9 @@ mod tests {
         assert_eq!(results.map(f32::round), [0.0, 0.0, 0.0, -4.0, -8.0]);
     }
 
-    /// Whether a difference in red of a formula's value is excused, on a ball in front of the camera and this many
-    /// lights. `ki`, `IL` and the colours are 1, every other parameter is 0. `difference` gives the compiled value from
-    /// the interpreted one.
-    fn is_excused(formula: &str, lights: usize, difference: impl Fn(f32) -> f32) -> bool {
+    /// A formula's value on a ball in front of the camera, with this many lights. `ki`, `IL` and the colours are 1,
+    /// every other parameter is 0. The picture has one pixel.
+    fn on_a_ball(formula: &str, lights: usize, pass: u32) -> (Interpreted, Vec<f32>) {
         let lights_text: String = (0..lights).map(|light| format!("l{light}: point, <{}, 3, 9>; ", light + 1)).collect();
         let scene = format!(
             "bodies; b: sphere, center <0,0,0>, radius 1; lights; {lights_text}
@@ -211,14 +259,41 @@ mod tests {
         let world = Arc::new(World::new(scene, &Assets::NONE).expect("no meshes"));
         let (formula, _) = Formula::parse(&Source::new("formula", format!("formula; = {formula};"))).unwrap();
         let formula = Arc::new(formula);
-        let interpreted = Interpreted::new(&formula, &world, View::new(1, 1).unwrap()).unwrap();
+        let interpreted = Interpreted::new(&formula, &world, View::new(1, 1).unwrap().with_pass(pass)).unwrap();
         let layout = Layout::new(&formula, 1, lights);
         let mut parameters = vec![0.0; layout.len()];
         parameters[layout.row(Owner::Light, 0)..].fill(1.0);
+        (interpreted, parameters)
+    }
+
+    /// Whether a difference in red of a formula's value is excused, see [`on_a_ball`]. `difference` gives the compiled
+    /// value from the interpreted one.
+    fn is_excused(formula: &str, lights: usize, difference: impl Fn(f32) -> f32) -> bool {
+        let (interpreted, parameters) = on_a_ball(formula, lights, 0);
         let value = interpreted.frame(&parameters).linear[0][0];
         let difference = Difference { pixel: 0, component: 0, compiled: difference(value), interpreted: value };
         assert!(difference.size() > TOLERANCE);
         excuses(&interpreted, &parameters, &difference)
+    }
+
+    #[test]
+    fn means_of_passes_are_judged_by_the_operations_of_all_of_them() {
+        let is_excused = |formula: &str, amount: f32| {
+            let (first, parameters) = on_a_ball(formula, 1, 0);
+            let interpreted = first.with_passes(4);
+            let passes = (0..4).map(|pass| on_a_ball(formula, 1, pass).0.frame(&parameters).linear[0][0]);
+            let mean = passes.sum::<f32>() / 4.0;
+            assert_eq!(interpreted.frame(&parameters).linear[0][0], mean);
+            let difference = Difference { pixel: 0, component: 0, compiled: mean + amount, interpreted: mean };
+            for kept in [0, KEPT_BYTES] {
+                let again = MeanOfPasses::new(&interpreted, &parameters, &difference, kept);
+                assert!((again.of(&mut Floats, 0.0) as f32 - mean).abs() < 1e-6, "{kept}");
+            }
+            excuses(&interpreted, &parameters, &difference)
+        };
+        assert!(!is_excused("IL*(N.L)", 0.001));
+        assert!(is_excused("IL*sin(3e4*(N.L + 0.25))", 0.0005));
+        assert!(!is_excused("IL*sin(3e4*(N.L + 0.25))", 2.5));
     }
 
     #[test]

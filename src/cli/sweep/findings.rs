@@ -26,7 +26,8 @@ impl Findings {
     /// Looks at a picture that still has its NaN.
     pub(super) fn look(&mut self, project: &Project, cell: &Cell, index: usize, frame: &Frame, transform: ViewTransform) {
         let Subject { formula, world, view } = &project.subject;
-        let picture = ReviewedPicture { formula, world, view, numbers: &cell.numbers, transform };
+        let passes = project.picture.passes();
+        let picture = ReviewedPicture { formula, world, view, passes, numbers: &cell.numbers, transform };
         let Some(finding) = review(&picture, &PictureSummary::of(frame)) else { return };
         match &self.remarkable {
             Some((_, first)) => self.others += usize::from(discriminant(first) == discriminant(&finding)),

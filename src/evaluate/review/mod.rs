@@ -22,8 +22,10 @@ pub struct ReviewedPicture<'p> {
     pub formula: &'p Formula,
     /// The world.
     pub world: &'p World,
-    /// The view.
+    /// The view, in any pass.
     pub view: &'p View,
+    /// How many passes the picture is the mean of, from the first one on.
+    pub passes: u32,
     /// The parameter numbers, in the order of the [`Layout`](crate::formula::layout::Layout).
     pub numbers: &'p [f32],
     /// How linear colours become bytes.
@@ -41,6 +43,8 @@ pub enum PictureFinding {
         pixels: usize,
         /// The first of them: column and row from the top left.
         first: [u32; 2],
+        /// The first pass in which that pixel has a NaN, if the picture is the mean of several.
+        pass: Option<u32>,
         /// Where the NaN of the first one comes from, in words.
         origin: String,
     },
@@ -54,13 +58,19 @@ impl PictureFinding {
     /// The finding as one sentence without a full stop.
     pub fn message(&self) -> String {
         match self {
-            PictureFinding::Undefined { count, pixels, first: [x, y], origin } => {
+            PictureFinding::Undefined { count, pixels, first: [x, y], pass, origin } => {
                 let place = match count {
                     1 => format!("in 1 pixel, ({x}, {y}),"),
                     _ if count == pixels => "in every pixel".to_owned(),
                     _ => format!("in {count} pixels"),
                 };
-                let which = if *count == 1 { String::new() } else { format!("in ({x}, {y}) ") };
+                let pass = pass.map(|pass| format!("pass {pass}"));
+                let pixel = (*count > 1).then(|| format!("({x}, {y})"));
+                let which = match (pixel, pass) {
+                    (None, None) => String::new(),
+                    (Some(one), None) | (None, Some(one)) => format!("in {one} "),
+                    (Some(pixel), Some(pass)) => format!("in {pixel}, {pass}, "),
+                };
                 format!("{place} the formula gives no number (NaN), which is shown as 0: {which}{origin}")
             }
             PictureFinding::Black(cause) => format!("the picture is black: {cause}"),
@@ -70,10 +80,10 @@ impl PictureFinding {
         }
     }
 
-    /// A pixel in which the cause can be seen.
-    pub fn pixel(&self) -> Option<[u32; 2]> {
+    /// A pixel in which the cause can be seen, and the pass if there are several.
+    pub fn pixel(&self) -> Option<([u32; 2], Option<u32>)> {
         match self {
-            PictureFinding::Undefined { first, .. } => Some(*first),
+            PictureFinding::Undefined { first, pass, .. } => Some((*first, *pass)),
             PictureFinding::Black(_) | PictureFinding::OneColour(..) => None,
         }
     }
@@ -85,8 +95,8 @@ pub fn review(picture: &ReviewedPicture, summary: &PictureSummary) -> Option<Pic
     if let Some(first) = summary.first_nan {
         let width = picture.view.width() as usize;
         let first = [first % width, first / width].map(|coordinate| coordinate as u32);
-        let origin = nan_origin(picture, first);
-        return Some(PictureFinding::Undefined { count: summary.nan, pixels: summary.pixels, first, origin });
+        let (pass, origin) = nan_origin(picture, first);
+        return Some(PictureFinding::Undefined { count: summary.nan, pixels: summary.pixels, first, pass, origin });
     }
     if summary.is_black(&picture.transform) {
         return Some(PictureFinding::Black(cause::of_black(picture, summary)));
@@ -96,17 +106,26 @@ pub fn review(picture: &ReviewedPicture, summary: &PictureSummary) -> Option<Pic
     Some(PictureFinding::OneColour(colour, cause::of_one_colour(picture)))
 }
 
-/// Where the NaN of a pixel comes from, in words.
-fn nan_origin(picture: &ReviewedPicture, pixel: [u32; 2]) -> String {
+/// Why a pixel is NaN where no expression is.
+const SIGNS: &str = "infinite numbers of both signs are added up";
+
+/// Where the NaN of a pixel comes from, in words, and in which pass if there are several.
+fn nan_origin(picture: &ReviewedPicture, pixel: [u32; 2]) -> (Option<u32>, String) {
     let inspector = Inspector::new(picture.formula, picture.world, picture.numbers);
-    let Some(inspection) = inspector.inspect(picture.view, pixel) else { return "the pixel is outside the picture".to_owned() };
-    match inspector.nan_origin(&inspection) {
-        Some(origin) => origin_in_words(picture.world, &origin),
-        None if inspection.total.iter().any(|component| component.is_nan()) => {
-            "infinite numbers of both signs are added up".to_owned()
+    let several = picture.passes > 1;
+    let passes = if several { 0..picture.passes } else { picture.view.pass()..picture.view.pass() + 1 };
+    let mut words = "the interpreter gives a number there";
+    for pass in passes {
+        let Some(inspection) = inspector.inspect(&picture.view.with_pass(pass), pixel) else { break };
+        if inspection.total.iter().any(|component| component.is_nan()) {
+            let origin = inspector.nan_origin(&inspection).map(|origin| origin_in_words(picture.world, &origin));
+            return (several.then_some(pass), origin.unwrap_or_else(|| SIGNS.to_owned()));
         }
-        None => "the ray through its middle gives a number".to_owned(),
+        if inspection.total.iter().any(|component| component.is_infinite()) {
+            words = SIGNS;
+        }
     }
+    (None, words.to_owned())
 }
 
 fn origin_in_words(world: &World, NanOrigin { body, light, typed_in, written, numbers }: &NanOrigin) -> String {

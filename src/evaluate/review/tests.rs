@@ -36,7 +36,8 @@ fn said_with(formula: &str, scene: &str, settings: &[&str], transform: ViewTrans
         let at = [index % 8, index / 8].map(|coordinate| coordinate as u32);
         *pixel = inspector.inspect(&view, at).expect("a pixel").total;
     }
-    let picture = ReviewedPicture { formula: &formula, world: &world, view: &view, numbers: values.numbers(), transform };
+    let picture =
+        ReviewedPicture { formula: &formula, world: &world, view: &view, passes: 1, numbers: values.numbers(), transform };
     review(&picture, &PictureSummary::of(&frame)).map(|finding| finding.message())
 }
 
@@ -128,6 +129,39 @@ fn infinite_numbers_of_both_signs_are_said() {
     let said = said(formula, &scene, &["key.s=1", "fill.s=-1"]).expect("a finding");
     let all = "in every pixel the formula gives no number (NaN), which is shown as 0: in (0, 0) ";
     assert_eq!(said, format!("{all}infinite numbers of both signs are added up"));
+}
+
+#[test]
+fn the_pass_in_which_a_pixel_is_nan_is_named() {
+    // The number is that of points near the axis, so that of the middle of the only pixel.
+    let text = "formula; = IL*sqrt(0.01 - getx(point)^2 - gety(point)^2);";
+    let (formula, _) = Formula::parse(&Source::new("formula", text)).expect("a formula");
+    let scene = SCENE.replace("radius 1", "radius 4");
+    let scene = Scene::parse(&Source::new("scene", scene)).expect("a scene").0;
+    let values = Values::defaults(&formula, &scene);
+    let (world, view) = (World::new(scene, &crate::world::Assets::NONE).expect("no files"), View::new(1, 1).expect("a size"));
+    let is_near = |pass: u32| {
+        let view = view.with_pass(pass);
+        let tracer = crate::trace::Tracer::new(&world, &view);
+        let point = tracer.hit(&tracer.primary(0)).expect("a hit").point;
+        point.truncate().length() < 0.1
+    };
+    let first = (0..64).find(|pass| !is_near(*pass)).expect("a point far from the axis");
+    assert!(first > 0);
+    let said = |passes: u32, nan: bool| {
+        let linear = vec![[if nan { f32::NAN } else { 0.5 }; 3]];
+        let summary = PictureSummary::of(&Frame { width: 1, height: 1, linear });
+        let (numbers, transform) = (values.numbers(), ViewTransform::default());
+        review(&ReviewedPicture { formula: &formula, world: &world, view: &view, passes, numbers, transform }, &summary)
+    };
+    assert_eq!(said(64, false), None);
+    let finding = said(64, true).expect("a finding");
+    assert_eq!(finding.pixel(), Some(([0, 0], Some(first))));
+    let message = finding.message();
+    assert!(message.contains(&format!("is shown as 0: in pass {first} it is `sqrt(0.01 - ")), "{message}");
+    // A picture with a NaN that the inspector does not find is not explained in a wrong way.
+    let message = said(1, true).expect("a finding").message();
+    assert!(message.ends_with("(NaN), which is shown as 0: the interpreter gives a number there"), "{message}");
 }
 
 #[test]

@@ -205,7 +205,7 @@ impl DrawingWorker {
     pub(super) fn review(&mut self, request: &RenderRequest, hits: &Hits, numbers: &[f32]) -> Option<Option<PictureFinding>> {
         let summary = self.unreviewed.take()?;
         let Subject { formula, world, view } = &request.subject;
-        let picture = ReviewedPicture { formula, world, view, numbers, transform: request.transform };
+        let picture = ReviewedPicture { formula, world, view, passes: 1, numbers, transform: request.transform };
         Some(summary.filter(|_| hits.view == *view).and_then(|summary| review(&picture, &summary)))
     }
 

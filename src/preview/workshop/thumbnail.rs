@@ -13,8 +13,8 @@ use crate::workspace::{FileKind, Location};
 const FOR_FORMULAS: &str = "studio";
 const FOR_SCENES: &str = "phong";
 
-/// Rays for each pixel in each direction: small pictures look rough without.
-const SAMPLES: u32 = 2;
+/// How many passes a picture is the mean of: small pictures look rough without.
+const PASSES: u32 = 4;
 
 /// A small linear picture.
 #[derive(Debug, Clone)]
@@ -50,7 +50,7 @@ impl Thumbnail {
         }
         project.picture.size = within(project.picture.size, most);
         let subject = crate::engine::Subject { view: view(&project.picture).ok()?, ..project.subject };
-        let mut frame = engine.picture(&subject, project.values.numbers(), SAMPLES, &Task::UNWATCHED).ok()?;
+        let mut frame = engine.picture(&subject, project.values.numbers(), PASSES, &Task::UNWATCHED).ok()?;
         frame.clean();
         Some(Thumbnail { frame, transform: project.picture.view, unexposed: kind == FileKind::Scene })
     }

@@ -20,7 +20,7 @@ pub(super) struct GalleryPicture {
 impl GalleryPicture {
     fn new(file: &str, input: &str) -> Self {
         let file = format!("{file}.png");
-        Self { arguments: format!("render {input} --size 320x180 --samples 3 -o {file}"), file }
+        Self { arguments: format!("render {input} --size 320x180 --samples 16 -o {file}"), file }
     }
 }
 
