@@ -1,13 +1,15 @@
 //! `illuminator dump --stage hits`: everything that tracing found, as columns of numbers for other programs.
 //!
 //! There are four tables, and a little-endian file without a header for each column. `index.json`, which is written
-//! last, gives names, types and counts:
+//! last, gives names, types and counts, and the weight of a pass:
 //!
-//! - `hits`: pixel (row by row from the top left), body, path, primitive, and the variables of the hit;
-//! - `records`: a hit and a light that reaches it, and the variables of both. If the formula reads `visible`, there is
-//!   a record for each hit and each light;
-//! - `misses`: rays that left the scene, by pixel and path;
+//! - `hits`: pixel (row by row from the top left), pass, body, path, primitive, and the variables of the hit;
+//! - `records`: a hit and a light that reaches it, the variables of both, and the radiance and the weight of the sample
+//!   of the light. If the formula reads `visible`, there is a record for each hit and each light;
+//! - `misses`: rays that left the scene, by pixel, pass and path;
 //! - `paths`: the last step of each path: the path before, the kind of ray, the body that it hit.
+//!
+//! One pass after the other is traced and written.
 
 use crate::cli::engine;
 use crate::cli::options::MachineOptions;
@@ -15,7 +17,7 @@ use crate::cli::output::check_folder;
 use crate::cli::progress::Progress;
 use crate::cli::report::Failure;
 use illuminator::backends::REFERENCE;
-use illuminator::engine::Task;
+use illuminator::engine::{Engine, Subject, Task};
 use illuminator::files::{reason, replace_file};
 use illuminator::lang::types::Type;
 use illuminator::lang::variables::{Rate, Variable};
@@ -28,6 +30,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
+use std::sync::Arc;
 
 /// The file that gives names, types and counts of the columns.
 const INDEX: &str = "index.json";
@@ -41,30 +44,32 @@ pub(super) fn dump(input: &Project, machine: &MachineOptions, folder: &Path) -> 
     fs::create_dir_all(folder)
         .map_err(|error| Failure::command_line(format!("cannot make the folder `{name}`: {}", reason(&error))))?;
     check_folder(folder)?;
-    let progress = Progress::new("tracing");
-    let tell = |share: f64| progress.tell(share);
     // The interpreter keeps no memory for hits.
     let engine = engine::engine(&REFERENCE, machine);
-    let hits = engine::on_threads(machine, || engine.trace(&input.subject, &Task::watched(&tell)))?;
-    drop(progress);
-    let hits = hits.map_err(engine::failed)?;
-    let hits = hits.for_lights(input.subject.formula.evaluated_lights()).map_err(|error| Failure::input(error.to_string()))?;
-    write(&hits, folder).map_err(|error| Failure::input(format!("cannot write to `{name}`: {}", reason(&error))))
+    let failed = |error: io::Error| Failure::input(format!("cannot write to `{name}`: {}", reason(&error)));
+    engine::on_threads(machine, || {
+        let passes = input.picture.passes();
+        let progress = Progress::of_passes("tracing", passes);
+        let mut dump = None;
+        for pass in 0..passes {
+            let tell = |share: f64| progress.tell((f64::from(pass) + share) / f64::from(passes));
+            let hits = traced(&engine, &input.subject, pass, &Task::watched(&tell))?;
+            // What an earlier run wrote stays if nothing can be traced.
+            let dump = match &mut dump {
+                Some(dump) => dump,
+                None => dump.insert(Dump::new(folder).map_err(failed)?),
+            };
+            dump.pass(&hits).map_err(failed)?;
+        }
+        dump.map_or(Ok(()), |dump| dump.finish(&input.subject, passes, folder)).map_err(failed)
+    })?
 }
 
-fn write(hits: &Hits, folder: &Path) -> io::Result<()> {
-    // A folder without an index is not a dump. So there is no index while columns are being overwritten.
-    match fs::remove_file(folder.join(INDEX)) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-        Ok(()) | Err(_) => {}
-    }
-    let mut dump = Dump::new(folder)?;
-    let tracer = Tracer::new(&hits.world, &hits.view);
-    for tile in &hits.tiles {
-        dump.tile(&tracer, tile)?;
-    }
-    let index = dump.finish(hits)?;
-    replace_file(&folder.join(INDEX), |writer| serde_json::to_writer_pretty(writer, &index).map_err(io::Error::from))
+/// The hits of a pass.
+fn traced(engine: &Engine, subject: &Subject, pass: u32, task: &Task) -> Result<Arc<Hits>, Failure> {
+    let subject = Subject { view: subject.view.with_pass(pass), ..subject.clone() };
+    let hits = engine.trace(&subject, task).map_err(engine::failed)?;
+    hits.for_lights(subject.formula.evaluated_lights()).map_err(|error| Failure::input(error.to_string()))
 }
 
 /// What `index.json` says.
@@ -80,7 +85,16 @@ struct Index {
     edges: [&'static str; 3],
     /// What stands for "none" in columns of type u32.
     none: u32,
+    passes: PassesIndex,
     tables: BTreeMap<&'static str, TableIndex>,
+}
+
+/// The passes of the picture, which is their weighted sum.
+#[derive(Serialize)]
+struct PassesIndex {
+    count: u32,
+    /// The weight of each.
+    weight: f64,
 }
 
 #[derive(Serialize)]
@@ -110,6 +124,7 @@ fn meaning(table: &str, column: &str) -> Option<&'static str> {
         }
         ("paths", "body") => "the body that the last ray hit; none: it left the scene",
         ("hits", "pixel") | ("misses", "pixel") => "the pixel, counted row by row from the top left",
+        ("hits", "pass") | ("misses", "pass") => "the pass, counted from 0; the picture is the mean of all passes",
         ("hits", "path") | ("misses", "path") => {
             "the path by which the ray came; its weight is the product of kr and kt along it"
         }
@@ -119,6 +134,14 @@ fn meaning(table: &str, column: &str) -> Option<&'static str> {
         ("records", "light") => "the light",
         _ => return None,
     })
+}
+
+/// The variables of the sample of a light, which formulas do not read by name, each with the name of its column.
+const OF_SAMPLE: [(Variable, &str); 2] = [(Variable::Radiance, "radiance"), (Variable::SampleWeight, "weight")];
+
+/// The name of the column of a variable.
+fn column_of(variable: Variable) -> &'static str {
+    OF_SAMPLE.iter().find(|(of_sample, _)| *of_sample == variable).map_or(variable.name(), |(_, name)| *name)
 }
 
 /// A table that is being written: one file a column.
@@ -131,7 +154,7 @@ struct TableWriter {
 impl TableWriter {
     fn new(folder: &Path, name: &'static str, numbers: &[&str], variables: &[Variable]) -> io::Result<Self> {
         let whole = numbers.iter().map(|number| (*number, "u32", 1, meaning(name, number)));
-        let real = variables.iter().map(|variable| (variable.name(), "f32", variable.ty().slots(), Some(variable.doc())));
+        let real = variables.iter().map(|variable| (column_of(*variable), "f32", variable.ty().slots(), Some(variable.doc())));
         let column = |(column, r#type, components, meaning): (&str, &'static str, usize, Option<&'static str>)| {
             let file = format!("{name}.{column}.{type}");
             let writer = BufWriter::new(File::create(folder.join(&file))?);
@@ -180,17 +203,29 @@ struct Dump {
 
 impl Dump {
     fn new(folder: &Path) -> io::Result<Self> {
+        // A folder without an index is not a dump. So there is no index while columns are being overwritten.
+        match fs::remove_file(folder.join(INDEX)) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            Ok(()) | Err(_) => {}
+        }
         let of = |rate| Variable::written().copied().filter(|variable| variable.rate() == rate).collect::<Vec<_>>();
-        let (of_hit, of_record) = (of(Rate::Hit), of(Rate::Record));
+        let (of_hit, mut of_record) = (of(Rate::Hit), of(Rate::Record));
+        of_record.extend(OF_SAMPLE.map(|(variable, _)| variable));
         Ok(Self {
-            hits: TableWriter::new(folder, "hits", &["pixel", "body", "path", "primitive"], &of_hit)?,
+            hits: TableWriter::new(folder, "hits", &["pixel", "pass", "body", "path", "primitive"], &of_hit)?,
             records: TableWriter::new(folder, "records", &["hit", "light"], &of_record)?,
-            misses: TableWriter::new(folder, "misses", &["pixel", "path"], &[])?,
+            misses: TableWriter::new(folder, "misses", &["pixel", "pass", "path"], &[])?,
             paths: TableWriter::new(folder, "paths", &["parent", "edge", "body"], &[])?,
             known: HashMap::new(),
             of_hit,
             of_record,
         })
+    }
+
+    /// Writes a pass.
+    fn pass(&mut self, hits: &Hits) -> io::Result<()> {
+        let tracer = Tracer::new(&hits.world, &hits.view);
+        hits.tiles.iter().try_for_each(|tile| self.tile(&tracer, tile))
     }
 
     fn tile(&mut self, tracer: &Tracer, tile: &Tile) -> io::Result<()> {
@@ -234,7 +269,8 @@ impl Dump {
         for span in &tile.misses {
             for segment in tile.miss_segments_of(span) {
                 for pixel in segment.pixels() {
-                    self.misses.add(&[tile.pixels.start + pixel as u32, rows[span.path.index()]], std::iter::empty())?;
+                    let (pixel, pass) = (tile.pixels.start + pixel as u32, tracer.view().pass());
+                    self.misses.add(&[pixel, pass, rows[span.path.index()]], std::iter::empty())?;
                 }
             }
         }
@@ -252,7 +288,7 @@ impl Dump {
         let index = tracer.relative_index(surface);
         let own = HitVariables::new(tracer.world(), surface, index, CoordinatesUse::Read);
         let values = self.of_hit.iter().map(|symbol| (own.value(*symbol).unwrap_or_default(), symbol.ty()));
-        let row = self.hits.add(&[key.pixel, surface.body.0, path, surface.primitive.0], values)?;
+        let row = self.hits.add(&[key.pixel, key.pass, surface.body.0, path, surface.primitive.0], values)?;
         for NodeLight { emitter, visible } in lights {
             let lit = LightVariables::new(surface, &tracer.sample(emitter, surface, key), visible);
             let values = self.of_record.iter().map(|symbol| (variable(*symbol, &own, &lit), symbol.ty()));
@@ -261,19 +297,22 @@ impl Dump {
         Ok(())
     }
 
-    fn finish(self, hits: &Hits) -> io::Result<Index> {
+    /// Writes the index.
+    fn finish(self, Subject { world, view, .. }: &Subject, passes: u32, folder: &Path) -> io::Result<()> {
         let tables = [self.hits, self.records, self.misses, self.paths];
-        let scene = hits.world.scene();
-        Ok(Index {
+        let scene = world.scene();
+        let index = Index {
             version: 1,
             byte_order: "little",
-            width: hits.view.width(),
-            height: hits.view.height(),
+            width: view.width(),
+            height: view.height(),
             bodies: scene.bodies.iter().map(|body| body.name.clone()).collect(),
             lights: scene.lights.iter().map(|light| light.name.clone()).collect(),
             edges: ["primary", "reflected", "refracted"],
             none: NONE,
+            passes: PassesIndex { count: passes, weight: f64::from(passes).recip() },
             tables: tables.into_iter().map(TableWriter::finish).collect::<io::Result<_>>()?,
-        })
+        };
+        replace_file(&folder.join(INDEX), |writer| serde_json::to_writer_pretty(writer, &index).map_err(io::Error::from))
     }
 }

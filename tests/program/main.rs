@@ -8,6 +8,7 @@ mod endings;
 mod files;
 mod fmt;
 mod habits;
+mod hits;
 mod import;
 mod json;
 mod lsp;
