@@ -1,7 +1,7 @@
 //! What another program, such as a notebook, makes of the hits that `dump --stage hits` writes.
 
 use crate::files::render;
-use crate::{folder, told, write};
+use crate::{SCENE, folder, told, write};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -52,8 +52,14 @@ impl Dump {
 const BODY_COLOUR: [[f64; 3]; 2] = [[0.9, 0.3, 0.2], [0.6, 0.7, 0.8]];
 const REFLECTED: [f64; 2] = [0.25, 0.5];
 const REFRACTED: f64 = 0.125;
-const LIGHT: [f64; 3] = [1.0, 0.9, 0.75];
-const INTENSITY: f64 = 0.7;
+/// A point, a spot that sends less at its edge, and a sphere with many points.
+const LIGHTS: &str = "lights;
+key: point, <4,6,5>;
+cone: spot, <-3,4,3>, target <0,0,0>, angle 20, soft 15;
+globe: sphere, center <-4,3,1>, radius 1;
+camera;";
+const LIGHT_COLOUR: [f64; 3] = [1.0, 0.9, 0.75];
+const INTENSITY: [f64; 3] = [0.4, 0.7, 0.3];
 const AMBIENT: f64 = 0.05;
 const BACKGROUND: [f64; 3] = [0.1, 0.2, 0.4];
 
@@ -85,12 +91,13 @@ fn lambert(dump: &Dump) -> Vec<[f64; 3]> {
     }
     let (hits, to_light) = (dump.whole("records", "hit"), dump.vectors("records", "L"));
     let (radiance, weight) = (dump.vectors("records", "radiance"), dump.scalars("records", "weight"));
+    let lights = dump.whole("records", "light");
     for (record, hit) in hits.into_iter().enumerate() {
         let cosine: f64 = (0..3).map(|axis| normals[hit][axis] * to_light[record][axis]).sum();
         let local = |component: usize| {
-            LIGHT[component] * radiance[record][component] * BODY_COLOUR[bodies[hit]][component] * cosine.max(0.0)
+            LIGHT_COLOUR[component] * radiance[record][component] * BODY_COLOUR[bodies[hit]][component] * cosine.max(0.0)
         };
-        add(at[hit], paths[hit], [0, 1, 2].map(|component| INTENSITY * weight[record] * local(component)));
+        add(at[hit], paths[hit], [0, 1, 2].map(|component| INTENSITY[lights[record]] * weight[record] * local(component)));
     }
     for (pixel, path) in dump.whole("misses", "pixel").into_iter().zip(dump.whole("misses", "path")) {
         assert_eq!(hit_bodies[path], none);
@@ -103,21 +110,29 @@ fn lambert(dump: &Dump) -> Vec<[f64; 3]> {
 fn a_picture_of_several_passes_is_computed_again_from_its_hits() {
     let folder = folder();
     write(&folder, "lambert.formula", "formula; = IL*Cd*max(0, N.L);");
+    let point = "lights;\nkey: point, <4,6,5>;\ncamera;";
+    assert!(SCENE.contains(point));
+    write(&folder, "sub/lights.scene", &SCENE.replace(point, LIGHTS));
     let vector = |[x, y, z]: [f64; 3]| format!("<{x},{y},{z}>");
     let [ball, floor] = BODY_COLOUR.map(vector);
     let options = format!(
-        "-f lambert.formula -s sub/place.txt --size 32x24 --depth 3 --samples 4 --background {} --set ka={AMBIENT} \
+        "-f lambert.formula -s sub/lights.scene --size 32x24 --depth 3 --samples 4 --background {} --set ka={AMBIENT} \
          --set ball.Cd={ball} --set floor.Cd={floor} --set ball.kr={} --set floor.kr={} --set ball.kt={REFRACTED} \
-         --set key.IL={} --set key.ki={INTENSITY}",
+         --set *.IL={} --set key.ki={} --set cone.ki={} --set globe.ki={}",
         vector(BACKGROUND),
         REFLECTED[0],
         REFLECTED[1],
-        vector(LIGHT),
+        vector(LIGHT_COLOUR),
+        INTENSITY[0],
+        INTENSITY[1],
+        INTENSITY[2],
     );
     assert_eq!(told(folder.path(), &format!("dump {options} --stage hits -o hits")), "exit status 0\n");
     let dump = Dump::read(&folder.path().join("hits"));
-    assert_eq!((dump.names("bodies"), dump.names("lights")), (vec!["ball", "floor"], vec!["key"]));
+    assert_eq!((dump.names("bodies"), dump.names("lights")), (vec!["ball", "floor"], vec!["key", "cone", "globe"]));
     assert_eq!(dump.index["passes"], serde_json::json!({ "count": 4, "weight": 0.25 }));
+    let radiance = dump.vectors("records", "radiance");
+    assert!(radiance.iter().any(|[red, ..]| (0.1..0.9).contains(red)) && radiance.contains(&[1.0; 3]));
     let picture = render(folder.path(), &options, "out.exr").into_rgb32f();
     let one = render(folder.path(), &format!("{options} --samples 1").replace("--samples 4 ", ""), "one.exr").into_rgb32f();
     let mut far = 0;
