@@ -7,6 +7,7 @@ mod asset_store;
 pub mod assignment;
 pub mod carried;
 mod file_kind;
+mod images;
 mod location;
 pub mod materials;
 pub mod owner;

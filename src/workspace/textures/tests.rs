@@ -1,6 +1,7 @@
 //! Images of every format, sound and damaged.
 
 use super::*;
+use crate::files::Readable;
 use crate::scene::Scene;
 use crate::workspace::project::{Listener, OpenProjectError, Project, Request, SessionText};
 use crate::workspace::{FileValue, Session, Values};
@@ -60,6 +61,11 @@ fn jpeg_is_srgb_and_exr_and_hdr_are_linear() {
         near(texture.texel(0, 1), [4.0, 0.5, 0.25], 0.02);
         near(texture.texel(0, 0), [0.125, 0.0, 16.0], 0.13);
     }
+    // Some programs begin Radiance files with another word.
+    let bytes = fs::read(folder.path().join("bright.hdr")).expect("the file");
+    let rest = bytes.strip_prefix(b"#?RADIANCE").expect("a signature");
+    fs::write(folder.path().join("other.hdr"), [b"#?RGBE", rest].concat()).expect("a file");
+    near(self::texture(&folder.path().join("other.hdr")).texel(0, 1), [4.0, 0.5, 0.25], 0.02);
 }
 
 #[test]
