@@ -14,7 +14,7 @@ use crate::lang::source::Source;
 use crate::picture::Frame;
 use crate::scene::Scene;
 use crate::trace::{Budget, Hits, TraceError, View, trace, usable_memory};
-use crate::world::{Assets, MissingMesh, World};
+use crate::world::{Assets, MissingAsset, World};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -44,8 +44,8 @@ impl Subject {
     /// the `assets`.
     ///
     /// # Errors
-    /// The scene names a mesh that is not among them.
-    pub fn new(formula: Formula, scene: Scene, assets: &Assets, view: View) -> Result<Self, MissingMesh> {
+    /// The scene names something that is not among them.
+    pub fn new(formula: Formula, scene: Scene, assets: &Assets, view: View) -> Result<Self, MissingAsset> {
         Ok(Self { formula: Arc::new(formula), world: Arc::new(World::new(scene, assets)?), view })
     }
 
@@ -53,7 +53,7 @@ impl Subject {
     /// others.
     ///
     /// # Errors
-    /// All errors of both texts, and that the scene names a mesh.
+    /// All errors of both texts, and that the scene names a file.
     pub fn parse(formula: &str, scene: &str, view: View) -> Result<Self, ParseError> {
         let (formula, scene) = (Source::new("formula", formula), Source::new("scene", scene));
         let failed = |errors: Diagnostics, source: &Source| ParseError(errors.located(source).to_string());

@@ -343,11 +343,12 @@ mod tests {
         assert_eq!(names(FileKind::Scene, "bodies; b: s|"), ["sphere"]);
         assert_eq!(names(FileKind::Scene, "bodies; b: sphere, ra|")[0], "radius");
         assert_eq!(names(FileKind::Scene, "bodies; b: sphere, center <0,0,0>, radius 1, |")[..3], ["center", "radius", "scale"]);
-        let kinds = ["point", "directional", "spot", "sphere", "rectangle"];
-        assert_eq!(names(FileKind::Scene, "lights; l: |")[..5], kinds);
+        let kinds = ["point", "directional", "spot", "sphere", "rectangle", "environment"];
+        assert_eq!(names(FileKind::Scene, "lights; l: |"), kinds);
         assert_eq!(names(FileKind::Scene, "lights; k: point, <0,0,0>; l: spot, <0,0,0>, |"), ["target", "angle", "soft"]);
         assert_eq!(names(FileKind::Scene, "lights; l: directional, |"), [""; 0]);
-        assert_eq!(names(FileKind::Scene, "lights; l: unknown, r|"), ["radius"]);
+        assert_eq!(names(FileKind::Scene, "lights; l: environment, |"), ["rotate"]);
+        assert_eq!(names(FileKind::Scene, "lights; l: unknown, r|"), ["radius", "rotate"]);
         assert_eq!(names(FileKind::Scene, "camera; |"), ["position", "gaze", "up", "fov"]);
         assert_eq!(names(FileKind::Session, "f|"), [""; 0]);
     }

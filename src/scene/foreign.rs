@@ -30,8 +30,9 @@ pub(super) fn light(word: &str) -> Option<&'static str> {
         "area" | "arealight" | "area_light" | "rect" | "rectlight" | "quad" | "square" | "plane" | "panel" | "softbox"
         | "disk" | "tube" => "lights that are spread over an area are a `rectangle` or a `sphere`",
         "ball" | "spherelight" | "sphere_light" | "spherical" | "globe" => "such a light is a `sphere`",
-        "ambient" | "environment" | "dome" | "sky" | "hdri" | "envmap" | "skylight" => {
-            "ambient light is no light of the scene: its values are `ka` and `Ia`"
+        "ambient" => "ambient light is no light of the scene: its values are `ka` and `Ia`",
+        "dome" | "sky" | "hdri" | "hdr" | "envmap" | "skylight" | "skybox" | "ibl" | "domelight" | "environmentmap" => {
+            "light from all around is an `environment`"
         }
         "pointlight" | "omni" | "bulb" | "lamp" | "light" | "point_light" => "such a light is a `point`",
         _ => return None,

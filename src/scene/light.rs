@@ -1,12 +1,14 @@
 //! Lights, as a scene declares them. In which direction a hit sees them is computed in [`crate::world`].
 
 mod directional;
+mod environment;
 mod point;
 mod rectangle;
 mod sphere;
 mod spot;
 
 pub use directional::{DirectionalLight, DirectionalLightError};
+pub use environment::EnvironmentLight;
 pub use point::PointLight;
 pub use rectangle::RectangleLight;
 pub use sphere::SphereLight;
@@ -40,6 +42,22 @@ declarations! {
         Sphere(SphereLight),
         /// From a rectangle.
         Rectangle(RectangleLight),
+        /// From all around.
+        Environment(EnvironmentLight),
+    }
+}
+
+impl LightKind {
+    /// The environment; `None` for other kinds.
+    pub fn environment(&self) -> Option<&EnvironmentLight> {
+        match self {
+            LightKind::Environment(environment) => Some(environment),
+            LightKind::Point(_)
+            | LightKind::Directional(_)
+            | LightKind::Spot(_)
+            | LightKind::Sphere(_)
+            | LightKind::Rectangle(_) => None,
+        }
     }
 }
 

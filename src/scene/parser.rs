@@ -34,6 +34,7 @@ pub(super) fn parse(source: &Source) -> Result<(Scene, Diagnostics), Diagnostics
         seen: [None; 3],
         bodies: Vec::new(),
         lights: Vec::new(),
+        single_lights: Vec::new(),
         camera: None,
         light_among_bodies: false,
     };
@@ -56,6 +57,8 @@ struct SceneParser {
     seen: [Option<SourceSpan>; 3],
     bodies: Vec<Body>,
     lights: Vec<Light>,
+    /// The kinds of lights so far of which a scene has at most one, each with where it stands first.
+    single_lights: Vec<(&'static str, SourceSpan)>,
     camera: Option<Camera>,
     /// Whether a light stands among the bodies, so that the section of lights may be what is missing.
     light_among_bodies: bool,
@@ -441,7 +444,11 @@ impl SceneParser {
         } else {
             foreign::light(word)
         };
+        let place = self.cursor.span();
         let (syntax, kind) = self.kind(("kind of light", &name.value), LightKind::SYNTAX, form_of_light, hint)?;
+        if syntax.is_single {
+            self.check_single(syntax.keyword.word, place);
+        }
         if self.cursor.sees_mark(0, Mark::Comma) {
             return Err(self.behind_light(syntax));
         }
@@ -463,20 +470,31 @@ impl SceneParser {
         let is_transform = Transform::SYNTAX.iter().any(|transform| transform.keyword.word == word);
         let is_attribute = ATTRIBUTES.contains(&word.as_str());
         let near = nearest(&word, syntax.clauses.iter().map(|clause| clause.word));
-        let (message, mark, hint) = if is_transform {
+        let (message, mark, hint) = if syntax.has_clause(&word) {
+            (format!("`{word}` does not belong here"), "expected `;` before this", form_of_light(syntax))
+        } else if is_transform {
             let hint = "change the numbers of the light; transforms stand behind the shapes of bodies";
             ("lights have no transforms".to_owned(), "expected `;` before this", hint.to_owned())
         } else if is_attribute {
             let hint = "bodies stand in the section `bodies;`".to_owned();
             (format!("a light cannot be `{word}`"), "expected `;` before this", hint)
-        } else if syntax.has_clause(&word) {
-            (format!("`{word}` does not belong here"), "expected `;` before this", form_of_light(syntax))
         } else {
             let similar = near.map(|near| format!("did you mean `{near}`?"));
             let known = foreign::light_property(&word).map(str::to_owned).or(similar);
             (format!("a light has no `{word}`"), "not known here", known.unwrap_or_else(|| form_of_light(syntax)))
         };
         self.cursor.report(Diagnostic::error(message).at(place, mark).help(hint))
+    }
+
+    /// Reports a second light of a kind of which a scene has at most one.
+    fn check_single(&mut self, word: &'static str, place: SourceSpan) {
+        match self.single_lights.iter().find(|(known, _)| *known == word) {
+            Some((_, first)) => {
+                let diagnostic = Diagnostic::error(format!("a scene has at most one {word}")).at(place, "the second one");
+                self.cursor.report(diagnostic.at(*first, "the first one").help("leave one of them out"));
+            }
+            None => self.single_lights.push((word, place)),
+        }
     }
 }
 

@@ -16,6 +16,8 @@ pub(super) trait TextForm: Display + Sized {
     const CLAUSES: &'static [Keyword];
     /// An example, as `Display` prints it.
     const EXAMPLE: &'static str;
+    /// Whether a scene has at most one.
+    const IS_SINGLE: bool = false;
 
     /// Reads what follows the keyword, up to the attributes or the `;`. `None` where a value is out of range: that is
     /// reported, and parsing continues behind it.
@@ -34,6 +36,8 @@ pub struct Syntax<T: 'static> {
     pub clauses: &'static [Keyword],
     /// An example, as `Display` prints it.
     pub example: &'static str,
+    /// Whether a scene has at most one.
+    pub is_single: bool,
     /// Reads what follows the keyword, see [`TextForm::parse`].
     pub(super) parse: fn(&mut Cursor) -> Result<Option<T>, Reported>,
 }
@@ -71,6 +75,7 @@ macro_rules! declarations {
                     keyword: <$value as $crate::scene::syntax::TextForm>::KEYWORD,
                     clauses: <$value as $crate::scene::syntax::TextForm>::CLAUSES,
                     example: <$value as $crate::scene::syntax::TextForm>::EXAMPLE,
+                    is_single: <$value as $crate::scene::syntax::TextForm>::IS_SINGLE,
                     parse: |cursor| {
                         let value = <$value as $crate::scene::syntax::TextForm>::parse(cursor)?;
                         Ok(value.map($name::$kind))
@@ -80,6 +85,13 @@ macro_rules! declarations {
         }
 
         impl $name {
+            /// The word that it begins with.
+            pub fn keyword(&self) -> $crate::lang::keywords::Keyword {
+                match self {
+                    $($name::$kind(_) => <$value as $crate::scene::syntax::TextForm>::KEYWORD,)*
+                }
+            }
+
             /// The point that stands for it, in world coordinates; `None` if it is nowhere in particular.
             pub fn anchor(&self) -> Option<glam::DVec3> {
                 match self {

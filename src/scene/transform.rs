@@ -39,7 +39,7 @@ pub enum Transform {
 }
 
 /// The sine and the cosine of an angle in degrees, exact at right angles.
-fn sine_and_cosine(degrees: f64) -> (f64, f64) {
+pub(super) fn sine_and_cosine(degrees: f64) -> (f64, f64) {
     let turn = degrees.rem_euclid(360.0);
     let quarter = (turn / 90.0).round();
     let (sine, cosine) = (turn - 90.0 * quarter).to_radians().sin_cos();
@@ -69,6 +69,7 @@ impl Transform {
             },
             clauses: &[],
             example: "scale <1, 0.5, 2>",
+            is_single: false,
             parse: scale,
         },
         Syntax {
@@ -78,12 +79,14 @@ impl Transform {
             },
             clauses: &[],
             example: "rotate <0, 1, 0> 30",
+            is_single: false,
             parse: rotate,
         },
         Syntax {
             keyword: Keyword { word: "translate", doc: "`translate <x, y, z>`: moves the body" },
             clauses: &[],
             example: "translate <0, 1, 0>",
+            is_single: false,
             parse: translate,
         },
         Syntax {
@@ -94,6 +97,7 @@ impl Transform {
             },
             clauses: &[],
             example: "fit <0, 1, 0> 2",
+            is_single: false,
             parse: fit,
         },
     ];

@@ -1,9 +1,10 @@
-//! Reading the files that scenes name: meshes.
+//! Reading the files that scenes name: meshes, and the images of environments.
 //!
-//! A path in a scene is relative to the folder of the scene, and `preset:NAME` names a built-in mesh. A store keeps
-//! what it has read, also the mistakes, by the path, length and time of modification of the file. So a file is read
+//! A path in a scene is relative to the folder of the scene, and `preset:NAME` names a built-in mesh or
+//! environment. A store keeps what it has read, also the mistakes, by the path, length and time of modification of the file. So a file is read
 //! again if it has changed, and only then. Of a glTF file, the files that it names are not watched.
 
+mod maps;
 mod meshes;
 mod named;
 #[cfg(test)]
@@ -14,6 +15,7 @@ use crate::mesh::Reading;
 use crate::scene::Scene;
 use crate::workspace::Location;
 use crate::world::Assets;
+use maps::{KeptMaps, image_of};
 use meshes::KeptMeshes;
 use named::AssetOrigin;
 
@@ -21,6 +23,7 @@ use named::AssetOrigin;
 #[derive(Debug, Default)]
 pub struct AssetStore {
     meshes: KeptMeshes,
+    maps: KeptMaps,
 }
 
 /// Why the files that a scene names were not read.
@@ -61,8 +64,17 @@ impl AssetStore {
         reading: &Reading,
     ) -> Result<(Assets, Diagnostics), AssetLoadError> {
         let (mut assets, mut found) = (Assets::NONE, Diagnostics::default());
-        let loaded = self.meshes.load(scene, scene_location, reading, &mut assets.meshes, &mut found);
-        loaded.map_err(|Cancelled| AssetLoadError::Cancelled)?;
+        // Each file is a part of the work.
+        let meshes = assets.meshes.missing(scene).len() as f64;
+        let images = if image_of(scene).is_some() { 1.0 } else { 0.0 };
+        let of_meshes = meshes / (meshes + images).max(1.0);
+        let tell_of_meshes = |share: f64| (reading.progress)(of_meshes * share);
+        let tell_of_image = |share: f64| (reading.progress)(of_meshes + (1.0 - of_meshes) * share);
+        let [part, last] = [Reading { progress: &tell_of_meshes, ..*reading }, Reading { progress: &tell_of_image, ..*reading }];
+        self.meshes
+            .load(scene, scene_location, &part, &mut assets.meshes, &mut found)
+            .and_then(|()| self.maps.load(scene, scene_location, &last, &mut assets, &mut found))
+            .map_err(|Cancelled| AssetLoadError::Cancelled)?;
         found.sort();
         if found.has_errors() { Err(AssetLoadError::Unusable(found)) } else { Ok((assets, found)) }
     }
@@ -81,10 +93,13 @@ impl AssetStore {
     /// Forgets what was too large for the memory. It is tried again.
     pub fn forget_refused(&self) {
         self.meshes.forget_refused();
+        self.maps.forget_refused();
     }
 
     /// The files that a scene names and of which nothing is kept.
     fn unread(&self, scene: &Scene, scene_location: &Location) -> Vec<AssetOrigin> {
-        self.meshes.unread(scene, scene_location)
+        let mut unread = self.meshes.unread(scene, scene_location);
+        unread.extend(self.maps.unread(scene, scene_location));
+        unread
     }
 }

@@ -13,8 +13,8 @@ use std::fs::{File, Metadata};
 use std::io::{self, BufReader, ErrorKind, Read, Seek};
 use std::path::Path;
 
-/// The suffixes of images of linear numbers.
-pub(super) const LINEAR_SUFFIXES: [&str; 2] = ["exr", "hdr"];
+/// The suffixes of images of linear numbers, which may be environments.
+pub(crate) const LINEAR_SUFFIXES: [&str; 2] = ["exr", "hdr"];
 
 /// A format of images.
 struct KnownFormat {
@@ -175,6 +175,11 @@ impl<'r> EncodedImage<'r> {
     /// The bytes of a texel while the image is decoded.
     pub(super) fn bytes_per_texel(&self) -> u64 {
         self.format.copies * u64::from(self.decoder.color_type().bytes_per_pixel())
+    }
+
+    /// How many times all numbers are in memory while the image is decoded.
+    pub(super) fn copies(&self) -> u64 {
+        self.format.copies
     }
 
     /// Decodes it. Row 0 is at the top.

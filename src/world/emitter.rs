@@ -1,6 +1,7 @@
 //! The kinds of emitters: where a hit sees the light of each, and the table of all.
 
 mod directional;
+mod environment;
 mod point;
 mod rectangle;
 mod sphere;
@@ -10,6 +11,7 @@ mod tests;
 
 use crate::sampling::{Draw, SampleKey};
 use crate::scene::{LightId, LightKind};
+use crate::world::environment::Environment;
 use crate::world::hit::SurfaceHit;
 use glam::DVec3;
 
@@ -91,9 +93,9 @@ pub struct Emitter {
 }
 
 impl Emitter {
-    /// The emitter of a light.
-    pub(super) fn new(light: LightId, kind: &LightKind) -> Self {
-        Self { light, source: EmitterKind::new(kind) }
+    /// The emitter of a light. `environment` is that of the scene.
+    pub(super) fn new(light: LightId, kind: &LightKind, environment: Option<&Environment>) -> Self {
+        Self { light, source: EmitterKind::new(kind, environment) }
     }
 
     /// The light that owns it.
@@ -114,17 +116,19 @@ impl Emitter {
 }
 
 /// Declares [`EmitterKind`] from rows: the variant of [`LightKind`] that an emitter is built from, and the type of the
-/// emitter.
+/// emitter. Environments are beside the rows: their maps are not in the scene.
 macro_rules! emitters {
     ($($kind:ident: $module:ident::$type:ident,)*) => {
         #[derive(Debug, Clone, PartialEq)]
         enum EmitterKind {
             $($kind($module::$type),)*
+            Environment(environment::EnvironmentEmitter),
         }
 
         impl EmitterKind {
-            fn new(kind: &LightKind) -> Self {
+            fn new(kind: &LightKind, environment: Option<&Environment>) -> Self {
                 match kind {
+                    LightKind::Environment(_) => EmitterKind::Environment(environment::EnvironmentEmitter::new(environment)),
                     $(LightKind::$kind(light) => EmitterKind::$kind($module::$type::new(light)),)*
                 }
             }
@@ -134,6 +138,7 @@ macro_rules! emitters {
             fn is_whole(&self) -> bool {
                 match self {
                     $(EmitterKind::$kind(source) => source.is_whole(),)*
+                    EmitterKind::Environment(source) => source.is_whole(),
                 }
             }
 
@@ -141,6 +146,7 @@ macro_rules! emitters {
             fn sample(&self, hit: &SurfaceHit, draw: &Draw) -> LightSample {
                 match self {
                     $(EmitterKind::$kind(source) => source.sample(hit, draw),)*
+                    EmitterKind::Environment(source) => source.sample(hit, draw),
                 }
             }
         }

@@ -3,6 +3,7 @@
 use crate::bvh::MeshTree;
 use crate::mesh::TriangleMesh;
 use crate::scene::{Body, MeshShading, Scene};
+use crate::world::missing_asset::MissingAsset;
 use std::sync::Arc;
 
 /// Meshes by the names that scenes have for them. A copy is cheap: it shares the triangles.
@@ -32,16 +33,6 @@ impl MeshKey {
         let mesh = body.form.shape.mesh()?;
         Some(Self { path: mesh.path().to_owned(), needs_normals: body.shading == Some(MeshShading::Smooth) })
     }
-}
-
-/// A body is a mesh that was not given.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("the mesh \"{path}\" of the body `{body}` was not read")]
-pub struct MissingMesh {
-    /// The name of the body.
-    pub body: String,
-    /// The name of the mesh.
-    pub path: String,
 }
 
 impl Meshes {
@@ -77,8 +68,8 @@ impl Meshes {
     }
 
     /// The mesh of a body, and whether it is shaded smoothly.
-    pub(super) fn of_body(&self, body: &Body, path: &str) -> Result<(Arc<MeshTree>, bool), MissingMesh> {
-        let missing = || MissingMesh { body: body.name.clone(), path: path.to_owned() };
+    pub(super) fn of_body(&self, body: &Body, path: &str) -> Result<(Arc<MeshTree>, bool), MissingAsset> {
+        let missing = || MissingAsset::Mesh { body: body.name.clone(), path: path.to_owned() };
         let tree = MeshKey::of(body).and_then(|key| self.get(&key)).ok_or_else(missing)?;
         let has_normals = !tree.mesh().normals().is_empty();
         Ok((Arc::clone(tree), has_normals && body.shading != Some(MeshShading::Flat)))

@@ -15,16 +15,20 @@
 mod assets;
 mod bounds;
 mod emitter;
+mod environment;
 mod hit;
 mod meshes;
+mod missing_asset;
 mod ray;
 mod surface;
 
-pub use assets::Assets;
+pub use assets::{Assets, NamedMap};
 pub use bounds::Bounds;
 pub use emitter::{Emitter, EmitterId, INFINITELY_FAR, LightSample};
+pub use environment::Environment;
 pub use hit::{Intersection, SurfaceHit};
-pub use meshes::{MeshKey, Meshes, MissingMesh};
+pub use meshes::{MeshKey, Meshes};
+pub use missing_asset::MissingAsset;
 pub use ray::{Departure, PrimitiveId, Ray, Side};
 
 use crate::bvh::BodyTree;
@@ -48,6 +52,7 @@ pub struct World {
     tree: BodyTree,
     /// The emitters by their ids, in the order of their lights.
     emitters: Vec<Emitter>,
+    environment: Option<Environment>,
     assets: Assets,
     extent: f64,
     tolerance: f64,
@@ -57,23 +62,25 @@ impl World {
     /// Builds the world of a scene. What it names must be among the `assets`.
     ///
     /// # Errors
-    /// The scene names a mesh that is not among them.
-    pub fn new(scene: impl Into<Arc<Scene>>, assets: &Assets) -> Result<Self, MissingMesh> {
+    /// The scene names something that is not among them.
+    pub fn new(scene: impl Into<Arc<Scene>>, assets: &Assets) -> Result<Self, MissingAsset> {
         let scene = scene.into();
         let surfaces = scene.bodies.iter().map(|body| Surface::new(body, &assets.meshes)).collect::<Result<Vec<_>, _>>()?;
-        let emitters = scene.light_ids().map(|light| Emitter::new(light, &scene.light(light).kind)).collect();
+        let environment = Environment::of(&scene, assets)?;
+        let emitter = |light: LightId| Emitter::new(light, &scene.light(light).kind, environment.as_ref());
+        let emitters = scene.light_ids().map(emitter).collect();
         let boxes: Vec<Bounds> = surfaces.iter().map(Surface::bounds).collect();
         let tree = BodyTree::new(&Vec::from_iter(boxes.iter().map(|bounds| [bounds.low, bounds.high])));
         let extent = boxes.into_iter().reduce(Bounds::union).map_or(0.0, |bounds| bounds.diagonal());
         let (assets, tolerance) = (assets.clone(), TOLERANCE * extent);
-        Ok(Self { scene, surfaces, tree, emitters, assets, extent, tolerance })
+        Ok(Self { scene, surfaces, tree, emitters, environment, assets, extent, tolerance })
     }
 
     /// The same with one more emitter of the last light.
     #[cfg(test)]
     pub(crate) fn with_emitter(mut self, kind: &crate::scene::LightKind) -> Self {
         let last = self.emitters.last().map(Emitter::light).expect("a light");
-        self.emitters.push(Emitter::new(last, kind));
+        self.emitters.push(Emitter::new(last, kind, self.environment.as_ref()));
         self
     }
 
@@ -133,6 +140,11 @@ impl World {
     pub fn emitter_ids(&self) -> impl Iterator<Item = EmitterId> + use<> {
         // As many as lights, of which there are fewer than 2³².
         (0..self.emitters.len() as u32).map(EmitterId)
+    }
+
+    /// The light from all around, if the scene has an environment.
+    pub fn environment(&self) -> Option<&Environment> {
+        self.environment.as_ref()
     }
 
     /// The light that owns an emitter, and so its parameters.

@@ -21,7 +21,8 @@ mod triangle;
 use crate::scene::{Body, Shape};
 use crate::world::bounds::Bounds;
 use crate::world::hit::{Meeting, SurfaceHit};
-use crate::world::meshes::{Meshes, MissingMesh};
+use crate::world::meshes::Meshes;
+use crate::world::missing_asset::MissingAsset;
 use crate::world::ray::{Departure, PrimitiveId, Ray};
 use glam::{DAffine3, DVec3};
 
@@ -93,7 +94,7 @@ macro_rules! surfaces {
 
         impl ShapeSurface {
             /// The surface of the shape of a body.
-            fn new(body: &Body, meshes: &Meshes) -> Result<Self, MissingMesh> {
+            fn new(body: &Body, meshes: &Meshes) -> Result<Self, MissingAsset> {
                 Ok(match &body.form.shape {
                     $(Shape::$kind(shape) => ShapeSurface::$kind($module::$type::new(shape)),)*
                     Shape::Mesh(named) => {

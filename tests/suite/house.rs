@@ -24,7 +24,7 @@ const ROOMS: [(&str, &[&str]); 24] = [
     ("mesh", &["files", "lang"]),
     ("bvh", &["simd", "mesh"]),
     ("environment", &[]),
-    ("world", &["sampling", "scene", "mesh", "bvh"]),
+    ("world", &["sampling", "scene", "mesh", "bvh", "environment"]),
     ("trace", &["sampling", "lang", "scene", "world"]),
     ("picture", &["files", "lang"]),
     ("bytecode", &["lang", "formula", "scene", "world", "trace"]),
@@ -34,7 +34,10 @@ const ROOMS: [(&str, &[&str]); 24] = [
     ("evaluate", &["texture", "lang", "formula", "scene", "world", "trace", "plan", "picture"]),
     ("backends", &["lang", "formula", "scene", "world", "trace", "bytecode", "plan", "jit", "picture", "evaluate"]),
     ("engine", &["lang", "formula", "scene", "world", "trace", "picture", "evaluate", "backends"]),
-    ("workspace", &["files", "texture", "lang", "formula", "scene", "mesh", "bvh", "world", "trace", "engine", "picture"]),
+    (
+        "workspace",
+        &["files", "texture", "lang", "formula", "scene", "mesh", "bvh", "environment", "world", "trace", "engine", "picture"],
+    ),
     ("import", &["files", "lang", "mesh", "scene", "trace", "picture", "workspace"]),
     ("assist", &["lang", "formula", "scene", "workspace"]),
     // Settings name a backend, and the transfer of new sessions.

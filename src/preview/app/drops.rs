@@ -6,7 +6,7 @@ use crate::lang::types::Type;
 use crate::mesh::MeshFormat;
 use crate::preview::app::scene_actions::MeshSpot;
 use crate::preview::app::{Action, App, user_state};
-use crate::workspace::{FileKind, Location, kind_of, kind_of_file, read_source, textures};
+use crate::workspace::{FileKind, LINEAR_SUFFIXES, Location, kind_of, kind_of_file, read_source, textures};
 use egui::{Align2, FontId, LayerId, Order, Rect, Stroke, StrokeKind, Ui, pos2, vec2};
 use glam::DVec3;
 use std::collections::VecDeque;
@@ -23,8 +23,17 @@ enum Guess {
     Text(Option<FileKind>),
 }
 
+fn suffix_of(path: &Path) -> String {
+    path.extension().and_then(|suffix| suffix.to_str()).unwrap_or_default().to_lowercase()
+}
+
+/// Whether an image can be the environment of a scene.
+fn may_be_environment(path: &Path) -> bool {
+    LINEAR_SUFFIXES.contains(&suffix_of(path).as_str())
+}
+
 fn guess(path: &Path) -> Guess {
-    let suffix = path.extension().and_then(|suffix| suffix.to_str()).unwrap_or_default().to_lowercase();
+    let suffix = suffix_of(path);
     if MeshFormat::of(path).is_some() {
         Guess::Mesh
     } else if textures::SUFFIXES.contains(&suffix.as_str()) {
@@ -46,6 +55,7 @@ fn promise(path: &Path) -> String {
     let name = name_of(path);
     match guess(path) {
         Guess::Mesh => format!("Add {name} to the scene"),
+        Guess::Image if may_be_environment(path) => format!("{name} is an image, for an environment or a texture"),
         Guess::Image => format!("{name} is an image, for a texture"),
         Guess::Text(Some(kind)) => format!("Open the {} {name}", kind.noun()),
         Guess::Text(None) => format!("Open {name}"),
@@ -143,7 +153,11 @@ impl App {
         let table = self.workshop.values().table();
         let texture = self.workshop.values().iter().find(|(_, id, _)| table.parameter(*id).ty == Type::Texture);
         let name = name_of(path);
-        match texture {
+        let as_environment = match may_be_environment(path) {
+            true => format!(" The scene may be lit by it: write `sky: environment, \"{name}\";` below `lights;`."),
+            false => String::new(),
+        };
+        let as_texture = match texture {
             Some((owner, id, _)) => {
                 let (parameter, owner) = (&table.parameter(id).name, table.owners().name(owner).unwrap_or("Scene"));
                 format!(
@@ -156,7 +170,8 @@ impl App {
                 "{name} is an image. Images are for textures, and this formula has none: `wood: texture;` below \
                  `body_specific;` declares one, and `wood(u, v)` is its colour."
             ),
-        }
+        };
+        as_texture + &as_environment
     }
 
     /// Says what a drop would do while files are over the window.

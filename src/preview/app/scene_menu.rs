@@ -31,7 +31,9 @@ pub(super) fn entries(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
     });
     ui.menu_button("Add light", |ui| {
         for kind in LightKind::SYNTAX {
-            act(ui, true, &capitalised(kind.keyword.word), SceneAction::AddLight(kind.keyword.word), actions);
+            let word = kind.keyword.word;
+            let is_there = || app.workshop.scene().lights.iter().any(|light| light.kind.keyword().word == word);
+            act(ui, !(kind.is_single && is_there()), &capitalised(word), SceneAction::AddLight(word), actions);
         }
     });
     ui.separator();

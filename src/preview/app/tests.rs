@@ -11,6 +11,7 @@ use std::time::Duration;
 mod comparing;
 mod drafts;
 mod drops;
+mod environments;
 mod focus;
 mod images;
 mod layout;

@@ -60,9 +60,15 @@ impl Decimals {
             (LightKind::Directional(light), _) => Self::of_factors(precision, light.direction().length()),
             // Behind the position and the target.
             (LightKind::Spot(_), Precision::Decimals(_)) if number >= 6 => Self { count: Some(ANGLE_DECIMALS), keeps: true },
-            (LightKind::Spot(_) | LightKind::Point(_) | LightKind::Sphere(_) | LightKind::Rectangle(_), _) => {
-                Self::of_lengths(precision)
-            }
+            (LightKind::Environment(_), Precision::Decimals(_)) => Self { count: Some(ANGLE_DECIMALS), keeps: true },
+            (
+                LightKind::Environment(_)
+                | LightKind::Spot(_)
+                | LightKind::Point(_)
+                | LightKind::Sphere(_)
+                | LightKind::Rectangle(_),
+                _,
+            ) => Self::of_lengths(precision),
         }
     }
 

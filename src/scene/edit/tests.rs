@@ -313,3 +313,21 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_second_environment_is_refused() {
+    let text = format!("bodies;\nlights; sky: environment, \"preset:sky\", rotate 22.5; {CAMERA}");
+    let scene = scene_of(&text);
+    let sky = scene.lights[0].kind.clone();
+    assert_eq!((sky.anchor(), sky.moved(DVec3::X)), (None, Some(sky.clone())));
+    let refused = |change: &SceneChange| edit(&Source::new("scene", text.as_str()), change, Precision::Decimals(-3)).unwrap_err();
+    let message = "the scene text would have an error: a scene has at most one environment";
+    let copy = SceneChange::Duplicate(SceneObject::Light(LightId(0)), "other".to_owned(), DVec3::X);
+    assert_eq!(refused(&copy).to_string(), message);
+    assert_eq!(refused(&SceneChange::AddLight("other".to_owned(), sky.clone())).to_string(), message);
+    // It can be removed, and added again; its angle keeps its digits.
+    let without = edited(&text, &SceneChange::Remove(SceneObject::Light(LightId(0))), Precision::Exact);
+    assert!(without.scene.lights.is_empty());
+    let again = edited(&without.text, &SceneChange::AddLight("sky".to_owned(), sky), Precision::Decimals(-3));
+    assert!(again.text.contains("sky: environment, \"preset:sky\", rotate 22.5;"), "{}", again.text);
+}

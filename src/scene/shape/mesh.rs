@@ -1,40 +1,35 @@
 //! Meshes from files: `mesh, "FILE"`.
 
 use crate::lang::cursor::{Cursor, Reported};
-use crate::lang::diagnostic::Diagnostic;
 use crate::lang::keywords::Keyword;
 use crate::lang::source::SourceSpan;
-use crate::lang::token::{Mark, TokenKind};
+use crate::lang::token::Mark;
 use crate::scene::movable::Movable;
+use crate::scene::named_file::NamedFile;
 use crate::scene::syntax::TextForm;
 use glam::DVec3;
 use std::fmt::{Display, Formatter, Result as FmtResult};
 
 /// A mesh that a file holds. The scene only names it; see [`World::new`](crate::world::World::new) for its triangles.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct NamedMesh {
-    path: String,
-    span: SourceSpan,
-}
+pub struct NamedMesh(NamedFile);
 
 impl NamedMesh {
     /// A mesh of this name; `None` if a scene cannot write the name: it is empty, has blanks around it, a quotation
     /// mark or a line end.
     pub fn new(path: impl Into<String>) -> Option<Self> {
-        let path: String = path.into();
-        let is_sound = !path.is_empty() && path.trim() == path && !path.contains(['"', '\n', '\r']);
-        is_sound.then(|| Self { path, span: SourceSpan::default() })
+        NamedFile::new(path).map(Self)
     }
 
     /// The name as it stands in the scene: a path from the folder of the scene, or `preset:NAME`. It has no quotation
     /// mark and no line end.
     pub fn path(&self) -> &str {
-        &self.path
+        self.0.path()
     }
 
     /// Where the name stands in the text, with its quotation marks.
     pub fn span(&self) -> SourceSpan {
-        self.span
+        self.0.span()
     }
 }
 
@@ -61,25 +56,12 @@ impl TextForm for NamedMesh {
     fn parse(cursor: &mut Cursor) -> Result<Option<Self>, Reported> {
         cursor.expect(Mark::Comma, "after `mesh`")?;
         cursor.pass_marks_after("mesh,", &[Mark::Equal]);
-        let span = cursor.span();
-        let TokenKind::Text(path) = cursor.kind(0) else {
-            let diagnostic = Diagnostic::error(format!("expected the file of the mesh, found {}", cursor.kind(0).describe()));
-            let diagnostic = diagnostic.at(span, "a path in quotation marks belongs here");
-            return Err(cursor.report(diagnostic.help("write `mesh, \"FILE.obj\"`; the path is from the folder of the scene")));
-        };
-        let path = path.trim().to_owned();
-        cursor.advance();
-        if path.is_empty() {
-            let diagnostic = Diagnostic::error("the mesh has no file").at(span, "expected a path");
-            cursor.report(diagnostic.help("write `mesh, \"FILE.obj\"`; the path is from the folder of the scene"));
-            return Ok(None);
-        }
-        Ok(Some(Self { path, span }))
+        Ok(NamedFile::parse(cursor, "mesh", "mesh, \"FILE.obj\"")?.map(Self))
     }
 }
 
 impl Display for NamedMesh {
     fn fmt(&self, f: &mut Formatter<'_>) -> FmtResult {
-        write!(f, "mesh, \"{}\"", self.path)
+        write!(f, "mesh, {}", self.0)
     }
 }

@@ -164,3 +164,5 @@ fn repairs_are_warnings_and_memory_and_cancellation_end_the_work() {
     store.forget_refused();
     assert!(store.load(&scene(bodies), &place, &Reading::unwatched(1 << 20)).is_ok());
 }
+
+mod maps;

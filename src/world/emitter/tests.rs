@@ -4,13 +4,20 @@ use super::*;
 use crate::lang::source::Source;
 use crate::sampling::Route;
 use crate::scene::{BodyId, Scene};
-use crate::world::{PrimitiveId, Side};
+use crate::world::{Assets, NamedMap, PrimitiveId, Side};
+use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// The emitter of a light that is written like this.
 fn emitter(light: &str) -> Emitter {
+    emitter_with(light, &Assets::NONE)
+}
+
+fn emitter_with(light: &str, assets: &Assets) -> Emitter {
     let camera = "camera; position <0, 0, 9>; gaze <0, 0, -1>; up <0, 1, 0>; fov 45;";
     let scene = Scene::parse(&Source::new("scene", format!("bodies; lights; l: {light}; {camera}"))).unwrap().0;
-    Emitter::new(LightId(0), &scene.lights[0].kind)
+    let environment = Environment::of(&scene, assets).unwrap();
+    Emitter::new(LightId(0), &scene.lights[0].kind, environment.as_ref())
 }
 
 fn hit(point: DVec3) -> SurfaceHit {
@@ -126,4 +133,56 @@ fn a_light_in_the_very_place_of_a_hit_is_above_it() {
         let sample = samples(&emitter(light), DVec3::new(1.0, 2.0, 3.0), 1)[0];
         assert_eq!((sample.direction, sample.distance, sample.is_lit()), (DVec3::Y, 0.0, true), "{light}");
     }
+}
+
+#[test]
+fn a_white_environment_gives_a_matte_surface_its_own_colour() {
+    let white = emitter("environment");
+    assert!(!white.is_whole());
+    let samples = samples(&white, DVec3::ONE, 4096);
+    // The mean of (N·L)·radiance·weight: ∫ cos dω / π = 1.
+    let lit = |sample: &LightSample| f64::from(sample.radiance[1] * sample.weight) * sample.direction.y.max(0.0);
+    let mean = samples.iter().map(lit).sum::<f64>() / 4096.0;
+    assert!((mean - 1.0).abs() < 0.002, "{mean}");
+    // An even density is 1/4π, so each direction stands for 1/(π/4π) = 4.
+    assert!(samples.iter().all(|sample| sample.weight == 4.0 && sample.distance == 1e30 && sample.radiance == [1.0; 3]));
+}
+
+#[test]
+fn an_environment_is_sampled_where_it_is_bright_and_turns() {
+    // One bright texel of 64×32, a little above the horizon in the direction of +x: a quarter of the width from the
+    // left. Its light is 1000 times its solid angle, 2π/64·(cos θ − cos θ') with θ = 14·π/32 and θ' = 15·π/32.
+    let texel = |row: u32, written: &mut [[f32; 3]]| {
+        written.fill([0.0; 3]);
+        if row == 14 {
+            written[15] = [1000.0, 500.0, 0.0];
+            written[16] = [1000.0, 500.0, 0.0];
+        }
+    };
+    let (map, _) = crate::environment::RadianceMap::of_rows(64, 32, texel).unwrap();
+    let environment = Some(NamedMap { path: "x.exr".to_owned(), map: Arc::new(map) });
+    let assets = Assets { environment, ..Assets::NONE };
+    let solid_angle = 2.0 * (2.0 * PI / 64.0) * ((14.0 * PI / 32.0).cos() - (15.0 * PI / 32.0).cos());
+    for (rotate, towards) in [("", DVec3::X), (", rotate 90", -DVec3::Z), (", rotate 180", -DVec3::X), (", rotate -90", DVec3::Z)]
+    {
+        let lamp = emitter_with(&format!("environment, \"x.exr\"{rotate}"), &assets);
+        let samples = samples(&lamp, DVec3::ZERO, 4096);
+        let mut total = 0.0;
+        for sample in &samples {
+            assert!((sample.direction.length() - 1.0).abs() < 1e-12 && sample.weight > 0.0);
+            assert!(sample.direction.dot(towards) > 0.9, "{rotate}: {}", sample.direction);
+            assert_eq!((sample.radiance[0] * 0.5, sample.radiance[2]), (sample.radiance[1], 0.0));
+            total += f64::from(sample.radiance[0] * sample.weight) / 4096.0;
+        }
+        // The interpolated light of a texel is its own, but for the change of the solid angle from row to row.
+        assert!((total / (1000.0 * solid_angle / PI) - 1.0).abs() < 0.01, "{rotate}: {total}");
+    }
+    // A map that was not given is an error, and a black one sends nothing.
+    let scene = "bodies; lights; sky: environment, \"y.exr\"; camera; position <0,0,9>; gaze <0,0,-1>; up <0,1,0>; fov 45;";
+    let scene = Scene::parse(&Source::new("scene", scene)).unwrap().0;
+    let missing = crate::world::World::new(scene, &assets).unwrap_err();
+    assert_eq!(missing.to_string(), "the image \"y.exr\" of the light `sky` was not read");
+    let (map, _) = crate::environment::RadianceMap::of_rows(4, 2, |_, written| written.fill([0.0; 3])).unwrap();
+    let black = Assets { environment: Some(NamedMap { path: "x".to_owned(), map: Arc::new(map) }), ..Assets::NONE };
+    assert!(!samples(&emitter_with("environment, \"x\"", &black), DVec3::ZERO, 1)[0].is_lit());
 }

@@ -10,7 +10,8 @@ use super::{FrontPoint, Geometry, ShapeSurface, Tolerance};
 use crate::scene::{Body, Transform};
 use crate::world::bounds::Bounds;
 use crate::world::hit::{Meeting, SurfaceHit};
-use crate::world::meshes::{Meshes, MissingMesh};
+use crate::world::meshes::Meshes;
+use crate::world::missing_asset::MissingAsset;
 use crate::world::ray::{Departure, PrimitiveId, Ray};
 use glam::{DAffine3, DMat3, DVec3};
 
@@ -87,7 +88,7 @@ fn to_world(surface: &ShapeSurface, transforms: &[Transform]) -> DAffine3 {
 
 impl Surface {
     /// The surface of a body.
-    pub(in crate::world) fn new(body: &Body, meshes: &Meshes) -> Result<Self, MissingMesh> {
+    pub(in crate::world) fn new(body: &Body, meshes: &Meshes) -> Result<Self, MissingAsset> {
         let shape = ShapeSurface::new(body, meshes)?;
         let map = to_world(&shape, &body.form.transforms);
         let bounds = shape.bounds(&map);

@@ -31,7 +31,7 @@ fn triangles(harness: &Harness<'_, App>) -> usize {
 }
 
 /// Waits until something is so.
-fn until(what: &str, harness: &mut Harness<'_, App>, is_so: impl Fn(&App) -> bool) {
+pub(super) fn until(what: &str, harness: &mut Harness<'_, App>, is_so: impl Fn(&App) -> bool) {
     for _ in 0..10_000 {
         harness.step();
         if is_so(harness.state()) {

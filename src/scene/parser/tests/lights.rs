@@ -210,3 +210,39 @@ fn lights_and_bodies_share_two_words() {
     let text = format!("bodies;\nb: spot, <0,0,0>, target <0,1,0>, angle 30;\nlights;\n{CAMERA}");
     assert!(errors(&text).contains("help: lights stand in the section `lights;`"), "{}", errors(&text));
 }
+
+#[test]
+fn an_environment_may_name_an_image_and_be_turned() {
+    for (given, expected) in [
+        ("environment", "environment"),
+        ("environment, \"sky.hdr\"", "environment, \"sky.hdr\""),
+        ("environment, rotate -30.5", "environment, rotate -30.5"),
+        ("environment, \" a b/sky.exr \", rotate 7e1", "environment, \"a b/sky.exr\", rotate 70"),
+        ("environment, rotate 0", "environment"),
+    ] {
+        assert_eq!(printed(&format!("l: {given};")), format!("l: {expected};\n"));
+    }
+    assert_snapshot!(errors(&format!("bodies;\nlights;\nsky: environment;\nkey: point, <1,2,3>;\nother: environment, rotate 3;\n{CAMERA}")), @r"
+    scene:5:8: error: a scene has at most one environment
+        other: environment, rotate 3;
+               ^^^^^^^^^^^ the second one
+        3:6: the first one
+        help: leave one of them out
+    ");
+    for (given, message) in [
+        ("environment, \"\"", "the environment has no file"),
+        ("environment, sky.hdr", "expected the file of the environment, found `sky`"),
+        ("environment \"sky.hdr\"", "expected `,` before the text \"sky.hdr\""),
+        ("environment, \"sky.hdr\" rotate 3", "expected `,` before `rotate`"),
+        ("environment, \"sky.hdr\", rotate <0,1,0> 3", "the rotation of the environment has no axis"),
+        ("environment, rotate", "expected the rotation of the environment, in degrees, found `;`"),
+        ("environment, rotate 3, rotate 4", "`rotate` does not belong here"),
+        ("environment, \"a.hdr\", \"b.hdr\"", "expected `;` after the light, found `,` and"),
+        ("environment, rotat 3", "a light has no `rotat`"),
+        ("environment, intensity 3", "a light has no `intensity`"),
+        ("hdri, \"sky.hdr\"", "light from all around is an `environment`"),
+    ] {
+        let found = light_errors(given);
+        assert!(found.contains(message) && found.matches("error:").count() == 1, "{given}\n{found}");
+    }
+}

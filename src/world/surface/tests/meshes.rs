@@ -69,7 +69,7 @@ pub(super) fn meshes_of(scene: &Scene) -> Assets {
         let mesh = if key.needs_normals { mesh.smooth("test.obj", &reading).unwrap() } else { mesh };
         meshes.insert(key, std::sync::Arc::new(crate::bvh::MeshTree::new(mesh.into(), &|_| true).unwrap()));
     }
-    Assets { meshes }
+    Assets { meshes, ..Assets::NONE }
 }
 
 #[test]

@@ -1,0 +1,62 @@
+//! Files that a scene names: `"FILE"`.
+
+use crate::lang::cursor::{Cursor, Reported};
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::source::SourceSpan;
+use crate::lang::token::TokenKind;
+use std::fmt::{Display, Formatter, Result as FmtResult};
+
+/// The name of a file, or of something built in, as it stands in a scene.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NamedFile {
+    path: String,
+    span: SourceSpan,
+}
+
+impl NamedFile {
+    /// A file of this name; `None` if a scene cannot write the name: it is empty, has blanks around it, a quotation mark
+    /// or a line end.
+    pub fn new(path: impl Into<String>) -> Option<Self> {
+        let path: String = path.into();
+        let is_sound = !path.is_empty() && path.trim() == path && !path.contains(['"', '\n', '\r']);
+        is_sound.then(|| Self { path, span: SourceSpan::default() })
+    }
+
+    /// The name: a path from the folder of the scene, or `preset:NAME`. It has no quotation mark and no line end.
+    pub fn path(&self) -> &str {
+        &self.path
+    }
+
+    /// Where the name stands in the text, with its quotation marks.
+    pub fn span(&self) -> SourceSpan {
+        self.span
+    }
+
+    /// Reads the name of a file of `what`, such as a mesh, which `form` shows. `None` where it is empty: that is
+    /// reported.
+    ///
+    /// # Errors
+    /// There is no text in quotation marks; that is reported.
+    pub(super) fn parse(cursor: &mut Cursor, what: &str, form: &str) -> Result<Option<Self>, Reported> {
+        let span = cursor.span();
+        let help = format!("write `{form}`; the path is from the folder of the scene");
+        let TokenKind::Text(path) = cursor.kind(0) else {
+            let message = format!("expected the file of the {what}, found {}", cursor.kind(0).describe());
+            let diagnostic = Diagnostic::error(message).at(span, "a path in quotation marks belongs here");
+            return Err(cursor.report(diagnostic.help(help)));
+        };
+        let path = path.trim().to_owned();
+        cursor.advance();
+        if path.is_empty() {
+            cursor.report(Diagnostic::error(format!("the {what} has no file")).at(span, "expected a path").help(help));
+            return Ok(None);
+        }
+        Ok(Some(Self { path, span }))
+    }
+}
+
+impl Display for NamedFile {
+    fn fmt(&self, f: &mut Formatter<'_>) -> FmtResult {
+        write!(f, "\"{}\"", self.path)
+    }
+}
