@@ -68,7 +68,7 @@ impl LightKind {
         match self {
             LightKind::Directional(light) => Some(light.direction().normalize()),
             LightKind::Spot(light) => Some((light.target() - light.position()).normalize()),
-            LightKind::Point(_) | LightKind::Sphere(_) | LightKind::Rectangle(_) => None,
+            LightKind::Point(_) | LightKind::Environment(_) | LightKind::Sphere(_) | LightKind::Rectangle(_) => None,
         }
     }
 
@@ -76,7 +76,11 @@ impl LightKind {
     pub fn target(&self) -> Option<DVec3> {
         match self {
             LightKind::Spot(light) => Some(light.target()),
-            LightKind::Point(_) | LightKind::Directional(_) | LightKind::Sphere(_) | LightKind::Rectangle(_) => None,
+            LightKind::Point(_)
+            | LightKind::Environment(_)
+            | LightKind::Directional(_)
+            | LightKind::Sphere(_)
+            | LightKind::Rectangle(_) => None,
         }
     }
 
@@ -88,7 +92,7 @@ impl LightKind {
                 let [a, b, c] = light.rectangle().corners();
                 Some(a.distance(b).max(b.distance(c)))
             }
-            LightKind::Point(_) | LightKind::Directional(_) | LightKind::Spot(_) => None,
+            LightKind::Point(_) | LightKind::Environment(_) | LightKind::Directional(_) | LightKind::Spot(_) => None,
         }
     }
 
@@ -98,7 +102,7 @@ impl LightKind {
         match self {
             LightKind::Directional(light) => light.aimed(to - from).map(LightKind::Directional),
             LightKind::Spot(light) => light.aimed(to).map(LightKind::Spot),
-            LightKind::Point(_) | LightKind::Sphere(_) | LightKind::Rectangle(_) => None,
+            LightKind::Point(_) | LightKind::Environment(_) | LightKind::Sphere(_) | LightKind::Rectangle(_) => None,
         }
     }
 
@@ -108,7 +112,7 @@ impl LightKind {
         match self {
             LightKind::Spot(light) => light.turned(axis, degrees).map(LightKind::Spot),
             LightKind::Rectangle(light) => light.turned(axis, degrees).map(LightKind::Rectangle),
-            LightKind::Point(_) | LightKind::Directional(_) | LightKind::Sphere(_) => None,
+            LightKind::Point(_) | LightKind::Environment(_) | LightKind::Directional(_) | LightKind::Sphere(_) => None,
         }
     }
 
@@ -116,7 +120,11 @@ impl LightKind {
     pub fn axes(&self) -> [DVec3; 3] {
         match self {
             LightKind::Rectangle(light) => light.axes(),
-            LightKind::Point(_) | LightKind::Directional(_) | LightKind::Spot(_) | LightKind::Sphere(_) => DVec3::AXES,
+            LightKind::Point(_)
+            | LightKind::Environment(_)
+            | LightKind::Directional(_)
+            | LightKind::Spot(_)
+            | LightKind::Sphere(_) => DVec3::AXES,
         }
     }
 
@@ -125,7 +133,11 @@ impl LightKind {
     pub fn stretched_along_axes(&self, by: DVec3) -> Option<Self> {
         match self {
             LightKind::Rectangle(light) => light.stretched_along(by).map(LightKind::Rectangle),
-            LightKind::Point(_) | LightKind::Directional(_) | LightKind::Spot(_) | LightKind::Sphere(_) => None,
+            LightKind::Point(_)
+            | LightKind::Environment(_)
+            | LightKind::Directional(_)
+            | LightKind::Spot(_)
+            | LightKind::Sphere(_) => None,
         }
     }
 }

@@ -14,8 +14,8 @@ pub struct NamedFile {
 }
 
 impl NamedFile {
-    /// A file of this name; `None` if a scene cannot write the name: it is empty, has blanks around it, a quotation mark
-    /// or a line end.
+    /// A file of this name; `None` if a scene cannot write the name: it is empty, has blanks around it, a quotation
+    /// mark or a line end.
     pub fn new(path: impl Into<String>) -> Option<Self> {
         let path: String = path.into();
         let is_sound = !path.is_empty() && path.trim() == path && !path.contains(['"', '\n', '\r']);

@@ -1,8 +1,8 @@
 //! Reading the files that scenes name: meshes, and the images of environments.
 //!
-//! A path in a scene is relative to the folder of the scene, and `preset:NAME` names a built-in mesh or
-//! environment. A store keeps what it has read, also the mistakes, by the path, length and time of modification of the file. So a file is read
-//! again if it has changed, and only then. Of a glTF file, the files that it names are not watched.
+//! A path in a scene is relative to the folder of the scene, and `preset:NAME` names a built-in mesh or environment. A
+//! store keeps what it has read, also the mistakes, by the path, length and time of modification of the file. So a file
+//! is read again if it has changed, and only then. Of a glTF file, the files that it names are not watched.
 
 mod maps;
 mod meshes;

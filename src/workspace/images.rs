@@ -1,7 +1,7 @@
 //! Images in files: opening and decoding them, and what is wrong with those that cannot be used.
 //!
-//! PNG and JPEG hold sRGB, OpenEXR and Radiance HDR linear numbers. Transparency, colour profiles and the orientation of
-//! photographs are left out. What images are for is not known here.
+//! PNG and JPEG hold sRGB, OpenEXR and Radiance HDR linear numbers. Transparency, colour profiles and the orientation
+//! of photographs are left out. What images are for is not known here.
 
 use crate::files::{OpenError, Readable, open, reason};
 use crate::lang::diagnostic::Diagnostic;

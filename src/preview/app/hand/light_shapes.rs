@@ -28,11 +28,11 @@ pub(super) struct LightShape {
 }
 
 impl SceneView<'_> {
-    /// The lines of a light. A point has none.
+    /// The lines of a light. A point and an environment have none.
     pub(super) fn light_shape(&self, id: LightId) -> LightShape {
         let Some(light) = self.world.scene().lights.get(id.index()) else { return LightShape::default() };
         match &light.kind {
-            LightKind::Point(_) => LightShape::default(),
+            LightKind::Point(_) | LightKind::Environment(_) => LightShape::default(),
             LightKind::Directional(_) => self.arrow(&light.kind),
             LightKind::Spot(spot) => self.cone(spot),
             LightKind::Sphere(sphere) => self.silhouette(sphere),
