@@ -187,6 +187,15 @@ impl Engine {
         Ok(Arc::new(trace(&subject.world, &subject.view, lights, &budget, task.progress, task.cancelled)?))
     }
 
+    /// What a pass of a picture with these hits takes once the formula is prepared for it, in bytes.
+    ///
+    /// # Errors
+    /// The backend does not support the formula.
+    pub fn kept_bytes(&self, subject: &Subject, hits: &Arc<Hits>) -> Result<u64, EngineError> {
+        let budget = self.budget(subject, 0)?;
+        Ok(budget.kept_bytes(hits, subject.formula.evaluated_lights()))
+    }
+
     /// Prepares a formula for hits. They may have been traced for another formula. If the formula is the first one to
     /// read `visible`, the shadow rays that it needs are traced now. `parameters` are the numbers of the first picture,
     /// or none: see [`Backend::prepare`].
@@ -303,7 +312,8 @@ impl Engine {
 
     /// The memory budget, and what parts of the picture take of it. This many linear pictures are kept besides.
     fn budget(&self, subject: &Subject, pictures: u64) -> Result<Budget, EngineError> {
-        let Footprint { per_hit, per_record, per_pair, per_call } = self.backend.compile(&subject.formula, &subject.world)?;
+        let Footprint { per_hit, per_record, per_miss, per_pair, per_call } =
+            self.backend.compile(&subject.formula, &subject.world)?;
         let scene = subject.world.scene();
         let pairs = scene.bodies.len() as u64 * scene.lights.len() as u64;
         Ok(Budget {
@@ -314,6 +324,7 @@ impl Engine {
             bytes_per_thread: self.backend.thread_bytes(&subject.formula, &subject.world, &subject.view)?,
             bytes_per_hit: per_hit,
             bytes_per_record: per_record,
+            bytes_per_miss: per_miss,
             bytes_per_pixel: BYTES_PER_PIXEL.saturating_add(pictures.saturating_mul(BYTES_PER_LINEAR_PIXEL)),
             bytes_per_call: per_call,
         })

@@ -2,7 +2,9 @@
 
 use crate::bytecode::program::{Instantiation, MAX_PROGRAM_BYTES, largest_tree};
 use crate::bytecode::{CodeTooLarge, FormulaCode, Programs};
-use crate::evaluate::{Backend, Drag, Drawn, EvaluateError, Evaluator, Footprint, Framebuffer, WholeFrames, evaluated_formula};
+use crate::evaluate::{
+    Backend, Drag, Drawn, EvaluateError, Evaluator, Footprint, Framebuffer, WholeFrames, equation_in, evaluated_formula,
+};
 use crate::formula::Formula;
 use crate::formula::equation::Equation;
 use crate::lang::scalars::Floats;
@@ -47,8 +49,7 @@ impl Backend for Interpreter {
     /// of a growing list doubles. And the memory of the machine, and the tree of rays that a program is written from.
     fn thread_bytes(&self, formula: &Arc<Formula>, world: &World, view: &View) -> Result<u64, EvaluateError> {
         let code = FormulaCode::new(&evaluated_formula(formula, world))?;
-        let scene = world.scene();
-        let equation = Equation::new(formula, scene.bodies.len(), scene.lights.len());
+        let equation = equation_in(formula, world);
         let instantiation = Instantiation { code: &code, equation, world };
         let (program, memory) = (instantiation.largest(view.depth()), instantiation.memory_bytes(view.depth()));
         if program > MAX_PROGRAM_BYTES {
@@ -96,8 +97,7 @@ impl Interpreted {
     /// The bytecode would be too large.
     pub fn new(formula: &Arc<Formula>, world: &Arc<World>, view: View) -> Result<Self, CodeTooLarge> {
         let code = FormulaCode::new(&evaluated_formula(formula, world))?;
-        let scene = world.scene();
-        let equation = Equation::new(formula, scene.bodies.len(), scene.lights.len());
+        let equation = equation_in(formula, world);
         if (Instantiation { code: &code, equation, world }).largest(view.depth()) > MAX_PROGRAM_BYTES {
             return Err(CodeTooLarge);
         }

@@ -12,6 +12,7 @@ use crate::lang::variables::{Owner, Predefined, Variable};
 use crate::scene::LightId;
 use crate::trace::{Child, CoordinatesUse, HitVariables, LightVariables, NodeLight, RayNode, Tree, variable};
 use crate::world::World;
+use glam::DVec3;
 
 /// The inputs of instantiation: a formula on a scene.
 #[derive(Debug, Clone, Copy)]
@@ -48,9 +49,12 @@ impl Instantiation<'_> {
         // Bytes of references, weights and sums for an emitter, and for a hit.
         const EMITTER: u64 = 7;
         const HIT: u64 = 60;
+        // A radiance and references, for both children.
+        const ENVIRONMENT: u64 = 60;
+        let hit = if self.world.environment().is_some() { HIT + ENVIRONMENT } else { HIT };
         let emitters = self.world.emitter_ids().count() as u64;
         let local = self.code.local.instance_bytes() as u64 + EMITTER;
-        largest_tree(self.world, depth) * (emitters * local + self.code.surface_bytes() as u64 + HIT)
+        largest_tree(self.world, depth) * (emitters * local + self.code.surface_bytes() as u64 + hit)
     }
 }
 
@@ -95,7 +99,8 @@ impl Programs {
         let mut assembler = BytecodeBuilder { instantiation, code: &mut self.code, height: 0, depth: self.depth };
         match tree.primary {
             Child::Hit(_) => assembler.tree(tree),
-            Child::None | Child::Miss(_) => assembler.miss(),
+            Child::None => assembler.emit(Instruction::VectorValue([0.0; 3])),
+            Child::Miss(direction) => assembler.miss(direction),
         }
         self.depth = assembler.depth;
         self.slots = self.slots.max(instantiation.code.slots());
@@ -205,9 +210,9 @@ impl BytecodeBuilder<'_> {
                     tasks.push(BuildTask::Child(SurfaceTerm::Reflected, node.reflected, index));
                 }
                 BuildTask::Child(_, Child::None, _) => {}
-                BuildTask::Child(weight, Child::Miss(_), parent) => {
+                BuildTask::Child(weight, Child::Miss(direction), parent) => {
                     self.weight(weight, &tree.nodes[parent]);
-                    self.miss();
+                    self.miss(direction);
                     self.weigh(weight);
                     self.emit(Instruction::Operation(Operation::AddVV));
                 }
@@ -277,20 +282,28 @@ impl BytecodeBuilder<'_> {
     }
 
     /// The terms of a ray that leaves the scene.
-    fn miss(&mut self) {
+    fn miss(&mut self, direction: DVec3) {
         let mut count = 0;
         for term in EquationTerm::at(Site::Miss) {
             self.term(term, 0, 0, &mut count, |_| {});
         }
+        let Some(environment) = self.instantiation.world.environment() else { return };
+        for term in EquationTerm::at(Site::Environment) {
+            self.term(term, 0, environment.light().index(), &mut count, |assembler| {
+                assembler.emit(Instruction::VectorValue(environment.radiance(direction).map(flush)));
+                assembler.emit(Instruction::Operation(Operation::MulVV));
+            });
+        }
     }
 
-    /// A term of equation (2), added to the `count` terms before it.
-    fn term(&mut self, term: &EquationTerm, body: usize, light: usize, count: &mut usize, formula: impl FnOnce(&mut Self)) {
+    /// A term of equation (2), added to the `count` terms before it. `rest` writes the formula, or what the other
+    /// colours are multiplied by.
+    fn term(&mut self, term: &EquationTerm, body: usize, light: usize, count: &mut usize, rest: impl FnOnce(&mut Self)) {
         if let Some(weight) = term.weight {
             self.parameter(weight, owner_index(weight, body, light));
         }
         match term.colour {
-            Colour::Formula => formula(self),
+            Colour::Formula => rest(self),
             Colour::Parameters(factors) => {
                 for (number, factor) in factors.iter().enumerate() {
                     self.parameter(*factor, owner_index(*factor, body, light));
@@ -298,6 +311,7 @@ impl BytecodeBuilder<'_> {
                         self.emit(Instruction::Operation(Operation::MulVV));
                     }
                 }
+                rest(self);
             }
         }
         if term.weight.is_some() {

@@ -37,6 +37,9 @@ pub(super) struct Options {
     /// A slider to be dragged, floor.kd, or floor.Cd.r for one component; may be repeated [default: all]
     #[arg(long, value_name = "OWNER.PARAM")]
     slider: Vec<String>,
+    /// Also measure pictures of N passes, which are all kept, 2 to 4096
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=4096))]
+    samples: Option<u32>,
     /// Print JSON instead of a table
     #[arg(long)]
     json: bool,
@@ -58,6 +61,21 @@ struct Report {
     trace_ms: f64,
     compile_ms: f64,
     full_ms: Backends,
+    drag: Vec<DragReport>,
+    /// The same for pictures of several passes, if that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    passes: Option<PassesReport>,
+}
+
+/// What was measured of pictures of several passes, by compiled code.
+#[derive(Serialize)]
+struct PassesReport {
+    passes: u32,
+    /// All of them.
+    trace_ms: f64,
+    prepare_ms: f64,
+    full_ms: f64,
+    bytes_per_pixel: f64,
     drag: Vec<DragReport>,
 }
 
@@ -164,7 +182,10 @@ fn measure(options: &Options, input: &Project, sliders: &[Slider]) -> Result<Rep
         })
         .collect::<Result<Vec<_>, _>>()?;
     let jit_bytes = (evaluator.bytes() + size_of_val(&*framebuffer.pixels)) as f64;
-    drop(evaluator);
+    let passes = match options.samples {
+        Some(passes) => Some(measure_passes(passes, options, input, (&engine, evaluator), sliders)?),
+        None => None,
+    };
     let (interpreter_ms, interpreter_bytes) = interpreted(options, subject, numbers, &mut framebuffer)?;
     let evaluated = hits.for_lights(subject.formula.evaluated_lights());
     let counts = evaluated.map_err(|error| Failure::input(error.to_string()))?.counts();
@@ -182,6 +203,48 @@ fn measure(options: &Options, input: &Project, sliders: &[Slider]) -> Result<Rep
         compile_ms,
         full_ms: Backends { interpreter: interpreter_ms, jit: jit_ms },
         drag,
+        passes,
+    })
+}
+
+/// Pictures of several passes. The first one is prepared.
+fn measure_passes(
+    passes: u32,
+    options: &Options,
+    input: &Project,
+    (engine, first): (&Engine, Arc<dyn Evaluator>),
+    sliders: &[Slider],
+) -> Result<PassesReport, Failure> {
+    let progress = Progress::new("measuring passes");
+    let (mut evaluator, mut trace, mut prepare) = (first, Duration::ZERO, Duration::ZERO);
+    for pass in 1..passes {
+        let subject = Subject { view: input.subject.view.with_pass(pass), ..input.subject.clone() };
+        let start = Instant::now();
+        let hits = engine.trace(&subject, &Task::UNWATCHED).map_err(engine::failed)?;
+        trace += start.elapsed();
+        let start = Instant::now();
+        evaluator = evaluator.with_pass(&hits).map_err(|error| Failure::input(error.to_string()))?;
+        prepare += start.elapsed();
+        progress.tell(0.6 * f64::from(pass) / f64::from(passes));
+    }
+    let view = &input.subject.view;
+    let mut framebuffer = Framebuffer::black(view.width(), view.height(), Transfer::Linear);
+    let full_ms = median(options.runs, |_| {
+        let start = Instant::now();
+        evaluator.draw(input.values.numbers(), &mut framebuffer);
+        Ok(start.elapsed())
+    })?;
+    let drags = sliders.iter().enumerate().map(|(index, slider)| {
+        progress.tell(0.65 + 0.35 * index as f64 / sliders.len() as f64);
+        drag(options.runs, input, &evaluator, slider, &mut framebuffer)
+    });
+    Ok(PassesReport {
+        passes,
+        trace_ms: milliseconds(trace),
+        prepare_ms: milliseconds(prepare),
+        full_ms,
+        bytes_per_pixel: evaluator.bytes() as f64 / f64::from(view.pixels()),
+        drag: drags.collect::<Result<_, _>>()?,
     })
 }
 
@@ -295,10 +358,24 @@ fn table(report: &Report, runs: u32) -> String {
     line(["memory a pixel".into(), bytes(report.bytes_per_pixel.jit), bytes(report.bytes_per_pixel.interpreter), none()]);
     line([none(), none(), none(), none()]);
     line(["slider".into(), "method".into(), "frame".into(), "prepared in".into()]);
-    for DragReport { parameter, method, prepare_ms, frame_ms, pixels } in &report.drag {
-        let unseen = *pixels == 0;
-        let frame = if unseen { "unseen".into() } else { ms(*frame_ms) };
-        line([parameter.clone(), (*method).into(), frame, ms(*prepare_ms)]);
+    let drag_line = |DragReport { parameter, method, prepare_ms, frame_ms, pixels }: &DragReport| {
+        let frame = if *pixels == 0 { "unseen".into() } else { ms(*frame_ms) };
+        [parameter.clone(), (*method).into(), frame, ms(*prepare_ms)]
+    };
+    report.drag.iter().for_each(|drag| line(drag_line(drag)));
+    if let Some(passes) = &report.passes {
+        line([none(), none(), none(), none()]);
+        line([format!("{} passes", passes.passes), "jit".into(), "of one pass".into(), none()]);
+        let times = |value: f64, one: f64| format!("x {:.2}", value / one);
+        line(["trace".into(), ms(passes.trace_ms), none(), none()]);
+        line(["prepare".into(), ms(passes.prepare_ms), none(), none()]);
+        line(["full evaluation".into(), ms(passes.full_ms), times(passes.full_ms, report.full_ms.jit), none()]);
+        line(["memory a pixel".into(), bytes(passes.bytes_per_pixel), none(), none()]);
+        line(["slider".into(), "method".into(), "frame".into(), "prepared in".into()]);
+        for (drag, one) in passes.drag.iter().zip(&report.drag) {
+            let [parameter, method, frame, prepared] = drag_line(drag);
+            line([parameter, method, format!("{frame} {}", times(drag.frame_ms, one.frame_ms)), prepared]);
+        }
     }
     text
 }

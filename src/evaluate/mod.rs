@@ -20,6 +20,7 @@ pub use framebuffer::Framebuffer;
 pub(crate) use framebuffer::{Part, write, write_component};
 
 use crate::formula::Formula;
+use crate::formula::equation::Equation;
 use crate::picture::Frame;
 use crate::trace::{Hits, Mismatch, View};
 use crate::world::World;
@@ -47,6 +48,8 @@ pub struct Footprint {
     pub per_hit: u64,
     /// For each lit record: a pair of a hit and a light that it is evaluated for.
     pub per_record: u64,
+    /// For each ray that leaves the scene.
+    pub per_miss: u64,
     /// For each pair of a body and a light of the scene.
     pub per_pair: u64,
     /// For each call of compiled code: a kernel for one light of a chunk, or adding a chunk to the pixels.
@@ -142,6 +145,13 @@ pub trait Evaluator: Send + Sync {
 /// samples](Formula::for_weighted_samples).
 pub fn evaluated_formula(formula: &Arc<Formula>, world: &World) -> Arc<Formula> {
     if world.has_whole_samples() { Arc::clone(formula) } else { formula.for_weighted_samples() }
+}
+
+/// Equation (2) for a formula in a world.
+pub fn equation_in(formula: &Formula, world: &World) -> Equation {
+    let scene = world.scene();
+    let environment = world.environment().map(|environment| environment.light().index());
+    Equation::new(formula, scene.bodies.len(), scene.lights.len()).with_environment(environment)
 }
 
 /// Statistics of drawing a picture.

@@ -2,7 +2,8 @@
 //! to a pixel, and the weights of child rays.
 //!
 //! ```text
-//! E(hit) = Σ_lit lights ki · local  +  ka · Cd · Ia  +  kr · E(reflected)  +  kt · E(refracted),     E(miss) = background
+//! E(hit)  = Σ_lit lights ki · local  +  ka · Cd · Ia  +  kr · E(reflected)  +  kt · E(refracted)
+//! E(miss) = background  +  ki · IL · radiance of the environment
 //! ```
 //!
 //! The lit lights are those that reach the hit, or all if the formula reads `visible`. The interpreter, the compiled
@@ -23,6 +24,8 @@ pub enum Site {
     Hit,
     /// Where a ray leaves the scene.
     Miss,
+    /// The same, if the scene has an environment: the term is multiplied by the radiance from there.
+    Environment,
 }
 
 /// The colour of a term.
@@ -51,7 +54,7 @@ pub struct EquationTerm {
 }
 
 /// The terms, in the order in which they are added up.
-pub const TERMS: [EquationTerm; 3] = [
+pub const TERMS: [EquationTerm; 4] = [
     EquationTerm {
         name: "local",
         site: Site::LitRecord,
@@ -71,6 +74,13 @@ pub const TERMS: [EquationTerm; 3] = [
         site: Site::Miss,
         weight: None,
         colour: Colour::Parameters(&[Predefined::Background]),
+        replaced_by: None,
+    },
+    EquationTerm {
+        name: "environment",
+        site: Site::Environment,
+        weight: Some(Predefined::Intensity),
+        colour: Colour::Parameters(&[Predefined::LightColour]),
         replaced_by: None,
     },
 ];
@@ -116,6 +126,15 @@ impl EquationTerm {
     }
 }
 
+impl EquationTerm {
+    /// The product of the weight, the colours and a radiance.
+    pub fn product_with(&self, value: impl Fn(Predefined) -> [f32; 3], radiance: [f32; 3]) -> [f32; 3] {
+        let colour = EquationTerm { weight: None, ..*self }.product(&value);
+        let colour = std::array::from_fn(|component| Floats.mul(colour[component], radiance[component]));
+        self.weight.map_or(colour, |weight| weighed(value(weight)[0], colour))
+    }
+}
+
 /// A weighted colour. It is exactly 0 if the weight is 0.
 pub fn weighed(weight: f32, colour: [f32; 3]) -> [f32; 3] {
     colour.map(|component| if weight == 0.0 { 0.0 } else { Floats.mul(weight, component) })
@@ -138,6 +157,8 @@ pub struct Equation {
     slots: [usize; Predefined::ALL.len()],
     /// The terms that the formula gives.
     pub surface: SurfaceTerms,
+    /// The index of the light that is the environment, if there is one.
+    pub environment: Option<usize>,
 }
 
 impl Equation {
@@ -147,12 +168,20 @@ impl Equation {
         for predefined in Predefined::ALL {
             slots[*predefined as usize] = formula.parameter(formula.predefined(*predefined)).slot as usize;
         }
-        Self { layout: Layout::new(formula, bodies, lights), slots, surface: formula.surface }
+        Self { layout: Layout::new(formula, bodies, lights), slots, surface: formula.surface, environment: None }
     }
 
-    /// Whether a term is part of the equation: the formula does not give another in its place.
+    /// The same on a scene whose environment is the light with this index.
+    #[must_use]
+    pub fn with_environment(self, environment: Option<usize>) -> Self {
+        Self { environment, ..self }
+    }
+
+    /// Whether a term is part of the equation: the scene has what it needs, and the formula does not give another in its
+    /// place.
     pub fn has(&self, term: &EquationTerm) -> bool {
-        term.replaced_by.is_none_or(|surface| self.surface.get(surface).is_none())
+        (term.site != Site::Environment || self.environment.is_some())
+            && term.replaced_by.is_none_or(|surface| self.surface.get(surface).is_none())
     }
 
     /// The slot of a component of a predefined parameter in the row of its owner.
@@ -172,9 +201,16 @@ impl Equation {
         [0, 1, 2].map(|component: usize| flush(parameters[first + component.min(last)]))
     }
 
-    /// The value of a term without the formula at a hit on a body. The value at a miss does not depend on the body.
+    /// The value of a term without the formula at a hit on a body. The value at a miss does not depend on the body. The
+    /// radiance of the environment is left out.
     pub fn term(&self, term: &EquationTerm, parameters: &[f32], body: usize) -> [f32; 3] {
-        term.product(|factor| self.value(parameters, factor, owner_index(factor, body, 0)))
+        term.product(|factor| self.value(parameters, factor, self.owner_of(factor, body)))
+    }
+
+    /// The index of the owner of a factor of a term without the formula, at a hit on a body or at a miss. The only light
+    /// of such terms is the environment.
+    pub fn owner_of(&self, factor: Predefined, body: usize) -> usize {
+        owner_index(factor, body, self.environment.unwrap_or(0))
     }
 
     /// The weight of the lit records of this light. If it is 0, the light adds nothing.
@@ -221,12 +257,14 @@ mod tests {
 
     #[test]
     fn every_parameter_of_the_equation_is_in_one_term_or_weighs_a_ray() {
-        let mut factors: Vec<Predefined> = TERMS.iter().flat_map(EquationTerm::factors).chain([REFLECTED, REFRACTED]).collect();
+        let terms = TERMS.iter().filter(|term| term.site != Site::Environment);
+        let mut factors: Vec<Predefined> = terms.flat_map(EquationTerm::factors).chain([REFLECTED, REFRACTED]).collect();
         factors.sort_unstable();
-        // The formula uses the colour of a light.
-        let all: Vec<Predefined> = Predefined::ALL.iter().copied().filter(|one| *one != Predefined::LightColour).collect();
-        let mut all = all;
+        // The formula uses the colour of a light. The environment is a light too.
+        let mut all: Vec<Predefined> = Predefined::ALL.iter().copied().filter(|one| *one != Predefined::LightColour).collect();
         all.sort_unstable();
         assert_eq!(factors, all);
+        let environment: Vec<Predefined> = EquationTerm::at(Site::Environment).flat_map(EquationTerm::factors).collect();
+        assert_eq!(environment, [Predefined::Intensity, Predefined::LightColour]);
     }
 }

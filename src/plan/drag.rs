@@ -157,7 +157,7 @@ impl DragPlan {
         // inseparable part has no powers of kr and kt, and is not visible where a ray leaves the scene.
         let twice = found.windows(2).any(|pair| pair[0].0.term == pair[1].0.term);
         let weights_move = weights.iter().any(Option::is_some);
-        let at_misses = found.iter().any(|(moved, _)| TERMS[moved.term].site == Site::Miss);
+        let at_misses = found.iter().any(|(moved, _)| is_of_miss(TERMS[moved.term].site));
         let method = match inseparable {
             _ if !powers_only || !single || twice || inseparable && (weights_move || at_misses) => Method::General,
             true => Method::Specialised,
@@ -285,7 +285,7 @@ impl DragPlan {
         for moved in moved_terms.filter(|moved| TERMS[moved.term].site == site && self.moves_at(moved, body)) {
             let value = |factor: Predefined| match factor == moved.factor {
                 true => [1.0; 3],
-                false => self.equation.value(parameters, factor, owner_index(factor, body, 0)),
+                false => self.equation.value(parameters, factor, self.equation.owner_of(factor, body)),
             };
             add(&mut sum, TERMS[moved.term].product(value), |component| moved.components[component]);
         }
@@ -322,6 +322,14 @@ fn weights_by_formula(
     (weights, powers_only)
 }
 
+/// Whether terms of this site are added where rays leave the scene.
+pub fn is_of_miss(site: Site) -> bool {
+    match site {
+        Site::Miss | Site::Environment => true,
+        Site::LitRecord | Site::Hit => false,
+    }
+}
+
 /// Adds the wanted components of a colour.
 fn add(sum: &mut [f32; 3], colour: [f32; 3], wanted: impl Fn(usize) -> bool) {
     for component in (0..3).filter(|component| wanted(*component)) {
@@ -338,7 +346,10 @@ fn moving_terms(
     let mut found = Vec::new();
     let is_plain = |term: &EquationTerm| term.site != Site::LitRecord;
     for (number, term) in TERMS.iter().enumerate().filter(|(_, term)| is_plain(term) && equation.has(term)) {
-        for factor in term.factors().filter(|factor| factor.owner() == owner) {
+        // The factors of a light are those of the environment.
+        let concerns =
+            |factor: &Predefined| factor.owner() == owner && (owner != Owner::Light || equation.environment == Some(index));
+        for factor in term.factors().filter(concerns) {
             let last = factor.ty().slots() - 1;
             let first = equation.index(factor, index);
             let nodes = [0, 1, 2].map(|component: usize| node_at(first + component.min(last)));

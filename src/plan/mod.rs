@@ -19,7 +19,7 @@ mod surface;
 
 pub use conditions::{ConditionPlan, VariantPlan};
 pub use contribution::{ContributionPlan, ParameterSlot, parameter_slots};
-pub use drag::{Channels, DragPlan, Factors, ImageTerm, Method, MovedTerm};
+pub use drag::{Channels, DragPlan, Factors, ImageTerm, Method, MovedTerm, is_of_miss};
 pub use formula::FormulaPlan;
 pub use kernel::{Domain, KernelPlan, KernelWork, STREAMS, Schedule, Sink};
 pub use slider::{Moved, SliderPlan, moved_parameters};

@@ -362,7 +362,8 @@ impl App {
                     self.notices.clear(Topic::Picture);
                     self.finding = None;
                 }
-                Event::Compiled(_) | Event::Traced { .. } | Event::Ready { .. } | Event::Undefined(..) => {}
+                Event::Compiled(_) | Event::Traced { .. } | Event::Passes { .. } | Event::Ready { .. } | Event::Undefined(..) => {
+                }
             }
         }
         for result in self.jobs.results() {

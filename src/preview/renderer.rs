@@ -36,6 +36,8 @@ pub struct RenderRequest {
     /// Whether the scene is being moved by hand, so other requests will follow soon. They have the same formula, and
     /// the same bodies and lights in other places.
     pub moves: bool,
+    /// How many passes the picture is the mean of, at least 1. The first one is shown alone, then those so far.
+    pub samples: u32,
 }
 
 /// A picture to be shown.
@@ -57,6 +59,17 @@ pub struct Picture {
     pub linear: Option<Arc<Frame>>,
     /// Which of them are NaN.
     pub nan: NanMask,
+    /// How many passes are in it.
+    pub passes: PassCount,
+}
+
+/// How many passes a picture has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct PassCount {
+    /// How many were evaluated for its numbers, at least 1.
+    pub evaluated: usize,
+    /// How many are in it: more, if only what the numbers changed was evaluated.
+    pub shown: usize,
 }
 
 impl Picture {
@@ -95,6 +108,19 @@ pub enum Event {
         method: Option<Method>,
         /// How long it took.
         time: Duration,
+        /// How many passes are in it.
+        passes: PassCount,
+    },
+    /// All passes were traced, or as many as there is memory for.
+    Passes {
+        /// How many are kept.
+        kept: usize,
+        /// How many were wanted.
+        wanted: usize,
+        /// How long it took to trace those after the first.
+        time: Duration,
+        /// What all of them take, in bytes.
+        bytes: u64,
     },
     /// A coarse picture of a scene that is being moved was traced and drawn.
     Moved {
@@ -130,6 +156,8 @@ struct WantedPicture {
     /// Whether a picture of a moving scene is being traced. The next movement does not end that: otherwise no picture
     /// would ever be complete.
     moving: bool,
+    /// Whether a pass after the first is being traced.
+    traces_more: bool,
     quit: bool,
 }
 
@@ -137,6 +165,8 @@ struct WantedPicture {
 #[derive(Clone)]
 struct TracedHits {
     hits: Arc<Hits>,
+    /// Those of the passes after the first.
+    more: Vec<Arc<Hits>>,
     /// The stamp of the request.
     requested: u64,
     /// How long tracing took, if they are coarse hits of a moving scene.
@@ -154,8 +184,12 @@ struct RendererState {
     spare: Mutex<Vec<Vec<u32>>>,
     /// Ends tracing.
     cancelled: AtomicBool,
+    /// Ends the refinement of a picture: another one is wanted.
+    hurries: AtomicBool,
     /// How much is traced, in thousandths. 1000 if nothing is being traced.
     progress: AtomicU32,
+    /// How many passes are traced, and how many are wanted.
+    passes: [AtomicU32; 2],
     pace: Mutex<Pace>,
     versions: AtomicU64,
     wake: Box<dyn Fn() + Send + Sync>,
@@ -211,7 +245,9 @@ impl Renderer {
             arrived: Condvar::new(),
             spare: Mutex::default(),
             cancelled: AtomicBool::new(false),
+            hurries: AtomicBool::new(false),
             progress: AtomicU32::new(1000),
+            passes: [AtomicU32::new(1), AtomicU32::new(1)],
             pace: Mutex::default(),
             versions: AtomicU64::new(0),
             wake: Box::new(wake),
@@ -255,6 +291,10 @@ impl Renderer {
     /// Shows other parameter numbers. `held` are the indices of those that a held slider moves. Returns their stamp.
     pub fn move_to(&self, numbers: &[f32], held: Option<Vec<usize>>) -> u64 {
         let mut wanted = self.shared.wanted();
+        if held.is_some() && wanted.traces_more {
+            // The slider gets all processors. The pass is traced when it is let go.
+            self.shared.cancelled.store(true, Ordering::Relaxed);
+        }
         wanted.held = held;
         self.set(wanted, numbers)
     }
@@ -268,6 +308,7 @@ impl Renderer {
     fn set(&self, mut wanted: MutexGuard<'_, WantedPicture>, numbers: &[f32]) -> u64 {
         numbers.clone_into(&mut wanted.numbers);
         wanted.stamp += 1;
+        self.shared.hurries.store(true, Ordering::Relaxed);
         let stamp = wanted.stamp;
         drop(wanted);
         self.shared.changed.notify_all();
@@ -304,6 +345,11 @@ impl Renderer {
         self.events.try_iter()
     }
 
+    /// How many passes of the picture are traced, and how many there will be.
+    pub fn passes(&self) -> [u32; 2] {
+        self.shared.passes.each_ref().map(|count| count.load(Ordering::Relaxed))
+    }
+
     /// How much of a picture is traced, 0..1. `None` if nothing is being traced.
     pub fn progress(&self) -> Option<f32> {
         let thousandths = self.shared.progress.load(Ordering::Relaxed);
@@ -314,6 +360,7 @@ impl Renderer {
 impl Drop for Renderer {
     fn drop(&mut self) {
         self.shared.wanted().quit = true;
+        self.shared.hurries.store(true, Ordering::Relaxed);
         self.shared.cancelled.store(true, Ordering::Relaxed);
         self.shared.changed.notify_all();
         for thread in self.threads.drain(..) {
@@ -336,7 +383,7 @@ fn draw_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
     let mut worker = DrawingWorker::default();
     let mut drawn: Option<(u64, Arc<Hits>)> = None;
     loop {
-        let (request, traced, numbers, held, stamp, values) = {
+        let (request, traced, numbers, held, stamp, values, is_drawn) = {
             let mut wanted = shared.wanted();
             loop {
                 if wanted.quit {
@@ -346,12 +393,14 @@ fn draw_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
                     let is_older = traced.requested != wanted.requested;
                     let done =
                         |(stamp, of): &(u64, Arc<Hits>)| (*stamp == wanted.stamp || is_older) && Arc::ptr_eq(of, &traced.hits);
-                    if !drawn.as_ref().is_some_and(done) {
+                    let is_drawn = drawn.as_ref().is_some_and(done);
+                    if !is_drawn || wanted.held.is_none() && worker.can_refine(request, traced) {
                         worker.shown = wanted.shown;
                         // A picture of the scene before the last movement is not that of the wanted values.
                         let values = if is_older { traced.requested } else { wanted.stamp };
                         let (numbers, held) = (wanted.numbers.clone(), wanted.held.clone());
-                        break (request.clone(), traced.clone(), numbers, held, wanted.stamp, values);
+                        shared.hurries.store(false, Ordering::Relaxed);
+                        break (request.clone(), traced.clone(), numbers, held, wanted.stamp, values, is_drawn);
                     }
                 }
                 if worker.has_more_to_prepare() {
@@ -363,14 +412,20 @@ fn draw_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
                 }
             }
         };
-        let TracedHits { hits, moving, .. } = traced;
+        let TracedHits { hits, more, moving, .. } = traced;
         let tell = |event: Event| {
             // The receiver is dropped only at the end of the program.
             shared.noting_pace(event, &hits, moving).into_iter().for_each(|event| drop(events.send(event)));
         };
         let room = || shared.spare.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();
-        match worker.draw(&request, &hits, &numbers, held, &tell, room) {
-            Ok(mut picture) => {
+        // Passes are refined while nothing else is wanted.
+        let picture = match is_drawn {
+            false => worker.draw(&request, &hits, &numbers, held, &tell, room).map(Some),
+            true => worker.refine(&request, (&hits, &more), &numbers, &shared.hurries, (&tell, room)),
+        };
+        match picture {
+            Ok(None) => continue,
+            Ok(Some(mut picture)) => {
                 picture.version = shared.versions.fetch_add(1, Ordering::Relaxed) + 1;
                 picture.values = values;
                 let overtaken = shared.newest.lock().unwrap_or_else(PoisonError::into_inner).replace(picture);

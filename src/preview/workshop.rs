@@ -210,7 +210,8 @@ impl Workshop {
         // The settings have been checked.
         let Ok(view) = self.view() else { return };
         let transform = self.picture.view;
-        let request = RenderRequest { subject: self.subject(view), engine: self.engine(), transform, moves };
+        let samples = self.samples();
+        let request = RenderRequest { subject: self.subject(view), engine: self.engine(), transform, moves, samples };
         self.requested = self.renderer.show(request, self.values.numbers());
     }
 

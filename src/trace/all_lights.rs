@@ -58,6 +58,14 @@ impl Hits {
         Arc::new(Hits { of: EvaluatedLights::All, ..Hits::new(&self.world, self.view, tiles) })
     }
 
+    /// The hits for these lights, if they are known already, or these.
+    pub(super) fn for_lights_if_known(&self, lights: EvaluatedLights) -> &Hits {
+        match self.all_lights.get() {
+            Some(all) if lights == EvaluatedLights::All => all,
+            Some(_) | None => self,
+        }
+    }
+
     /// Whether nothing has to be found for formulas that are evaluated for these lights.
     pub fn serves(&self, lights: EvaluatedLights) -> bool {
         self.of == lights || self.all_lights.get().is_some() || !needs_second_store(&self.world, &self.view, lights)

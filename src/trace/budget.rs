@@ -7,7 +7,7 @@ use crate::trace::primitives::PrimitiveTable;
 use crate::trace::tracer::Tracer;
 use crate::trace::visibility::VisibilityTable;
 use crate::trace::walk::{RayEnd, trace_pixel};
-use crate::trace::{Hits, Shortage, TraceError, View};
+use crate::trace::{Hits, Shortage, TraceError, View, calls_of};
 use crate::world::World;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -39,6 +39,8 @@ pub struct Budget {
     pub bytes_per_record: u64,
     /// What will be kept for each hit besides, in bytes.
     pub bytes_per_hit: u64,
+    /// What will be kept for each ray that leaves the scene, in bytes.
+    pub bytes_per_miss: u64,
     /// What will be kept for each pixel, in bytes.
     pub bytes_per_pixel: u64,
     /// What will be kept for each call of compiled code, in bytes: a light of a chunk of a group, or adding a chunk to
@@ -56,6 +58,7 @@ impl Budget {
         bytes_per_thread: 0,
         bytes_per_record: 0,
         bytes_per_hit: 0,
+        bytes_per_miss: 0,
         bytes_per_pixel: 0,
         bytes_per_call: 0,
     };
@@ -84,6 +87,17 @@ impl Budget {
         };
         let needed = found.with_lights(lights, &hits.world, &hits.view).bytes(self);
         self.check_bytes(needed, &hits.view)
+    }
+
+    /// What the store of these hits and their evaluation for these lights take, in bytes, without what does not depend on
+    /// the hits.
+    pub fn kept_bytes(&self, hits: &Hits, lights: EvaluatedLights) -> u64 {
+        let lit = hits.for_lights_if_known(lights);
+        let counts = lit.counts();
+        let columns = self.columns(counts.hits, counts.records);
+        let misses = counts.misses.saturating_mul(self.bytes_per_miss);
+        let calls = lit.tiles.iter().map(calls_of).sum::<u64>().saturating_mul(self.bytes_per_call);
+        hits.bytes().saturating_add(columns).saturating_add(misses).saturating_add(calls)
     }
 
     /// Checks what does not depend on the pixels: values of pairs, files of the scene, and threads.
@@ -183,7 +197,9 @@ impl Estimate {
     pub fn bytes(&self, budget: &Budget) -> u64 {
         let store = (self.hits.saturating_add(self.misses)).saturating_mul(STORE_BYTES_PER_HIT);
         let stores = store.saturating_add(self.second_store).saturating_add(self.primitives);
-        stores.saturating_add(budget.columns(self.hits, self.records)).saturating_add(budget.pixels(self.pixels))
+        let misses = self.misses.saturating_mul(budget.bytes_per_miss);
+        let kept = budget.columns(self.hits, self.records).saturating_add(misses);
+        stores.saturating_add(kept).saturating_add(budget.pixels(self.pixels))
     }
 }
 
@@ -212,6 +228,11 @@ impl<'b> MemoryMeter<'b> {
     pub(super) fn start(budget: &'b Budget, estimate: Estimate) -> Result<Self, TraceError> {
         let meter = Self { budget, estimate, used: AtomicU64::new(budget.pixels(estimate.pixels)) };
         if estimate.bytes(budget) > budget.bytes { Err(meter.exceeded()) } else { Ok(meter) }
+    }
+
+    /// What rays that leave the scene take beside the store, in bytes.
+    pub(super) fn of_misses(&self, misses: u64) -> u64 {
+        misses.saturating_mul(self.budget.bytes_per_miss)
     }
 
     /// Adds what these hits, records and bytes of the store take.

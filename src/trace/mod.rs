@@ -244,7 +244,8 @@ fn trace_tile(
         // depend on which tiles are being traced at the same time.
         let grown = builder.entries() - std::mem::replace(&mut entries, builder.entries());
         let primitives = on_meshes * PrimitiveTable::BYTES_PER_HIT;
-        let store = (hits + misses) * size_of::<Segment>() as u64 + grown * BYTES_PER_ENTRY + primitives;
+        let segments = (hits + misses) * size_of::<Segment>() as u64;
+        let store = segments + grown * BYTES_PER_ENTRY + primitives + meter.of_misses(misses);
         if second_store {
             let second = (hits + misses) * size_of::<Segment>() as u64 + VisibilityTable::bytes_for(hits, all_emitters);
             meter.add(hits, hits * all_emitters, store + second)?;

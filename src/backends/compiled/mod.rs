@@ -9,6 +9,7 @@ mod columns;
 mod drag;
 mod leaves;
 mod memory;
+mod miss_radiance;
 mod place;
 mod planes;
 mod program;
@@ -21,7 +22,7 @@ mod tile;
 mod variant_columns;
 
 use crate::evaluate::weights::{PathMonomials, Weight, path_weights};
-use crate::evaluate::{Backend, Drawn, EvaluateError, Evaluator, Footprint, Framebuffer, Part, evaluated_formula};
+use crate::evaluate::{Backend, Drawn, EvaluateError, Evaluator, Footprint, Framebuffer, Part, equation_in, evaluated_formula};
 use crate::formula::Formula;
 use crate::formula::equation::{Equation, Site};
 use crate::jit::compile::Contribution;
@@ -36,6 +37,7 @@ use chosen::{Chosen, ChosenVariant};
 use columns::LeafColumns;
 use drag::CompiledDrag;
 use leaves::StaticTextures;
+use miss_radiance::MissRadiance;
 use place::TilePlace;
 use rayon::prelude::*;
 use source::ContributionSource;
@@ -86,6 +88,7 @@ impl Backend for Jit {
         Ok(Footprint {
             per_hit: copies * numbers(frontier.hits.len()) + surface,
             per_record: copies * per_record,
+            per_miss: if world.environment().is_some() { MissRadiance::BYTES_PER_MISS } else { 0 },
             per_pair,
             per_call,
         })
@@ -140,8 +143,7 @@ impl Compiled {
         hits: &[Arc<Hits>],
         parameters: &[f32],
     ) -> Result<Self, Mismatch> {
-        let scene = hits.first().ok_or(Mismatch)?.world.scene();
-        let equation = Equation::new(formula, scene.bodies.len(), scene.lights.len());
+        let equation = equation_in(formula, &hits.first().ok_or(Mismatch)?.world);
         let textures = StaticTextures::new(&compiled.plan, formula, equation.layout, parameters);
         let pass = |hits: &Arc<Hits>| Ok(Arc::new(StoredPass::new(&compiled, formula, &textures, hits)?));
         let passes = hits.iter().map(pass).collect::<Result<_, _>>()?;
@@ -280,6 +282,7 @@ impl Compiled {
         let bodies = 0..self.equation.layout.owners(Owner::Body);
         let at_hits = bodies.map(|body| self.equation.sum(Site::Hit, parameters, body)).collect();
         let mut summation = self.empty_summation(at_hits, self.equation.sum(Site::Miss, parameters, 0), Channels::All);
+        summation.environment = self.equation.sum(Site::Environment, parameters, 0);
         summation.surface = self.surface_summation(parameters, true);
         self.push_contributions(parameters, chosen, &mut summation);
         summation
@@ -354,7 +357,9 @@ impl Compiled {
         let code = PixelCode::get(self.width());
         let (sources, uniforms) = (Vec::new(), Vec::new());
         let columns = SummationColumns::Formula(self.passes.iter().map(|pass| &*pass.columns).collect());
-        Summation { sources, uniforms, columns, at_hits, at_misses, channels, code, surface: None }
+        let (environment, surface) = ([0.0; 3], None);
+        let radiance = self.passes.iter().map(|pass| &*pass.radiance).collect();
+        Summation { sources, uniforms, columns, at_hits, at_misses, environment, radiance, channels, code, surface }
     }
 
     /// A contribution of all pairs of a body and a light whose light is on, and its uniform values, computed from

@@ -61,6 +61,12 @@ impl Planes {
         self.width.dispatch(Fill { planes: &mut self.planes, regions: &tile.regions, colours, add });
     }
 
+    /// Adds numbers times a factor to consecutive pixels of a component.
+    pub(super) fn add_run(&mut self, component: usize, pixel: usize, numbers: &[f32], factor: f32) {
+        let plane = &mut self.planes.0[component][PIXELS][pixel..pixel + numbers.len()];
+        self.width.dispatch(AddRun { plane, numbers, factor });
+    }
+
     /// Adds the first pixels of other planes.
     pub(super) fn add_planes(&mut self, other: &Planes, pixels: usize) {
         self.width.dispatch(AddPlanes { planes: &mut self.planes, other: &other.planes, pixels });
@@ -193,6 +199,22 @@ impl WithSimd for Fill<'_> {
             }
             start = end;
         }
+    }
+}
+
+/// Adds numbers times a factor.
+struct AddRun<'a> {
+    plane: &'a mut [f32],
+    numbers: &'a [f32],
+    factor: f32,
+}
+
+impl WithSimd for AddRun<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.plane.iter_mut().zip(self.numbers).for_each(|(sum, number)| *sum += self.factor * number);
     }
 }
 

@@ -4,12 +4,14 @@
 
 use crate::backends::compiled::columns::{Columns, Packing};
 use crate::backends::compiled::leaves::StaticTextures;
+use crate::backends::compiled::miss_radiance::MissRadiance;
 use crate::backends::compiled::program::TileProgram;
 use crate::backends::compiled::surface::SurfaceTile;
 use crate::backends::compiled::variant_columns::VariantColumns;
 use crate::formula::Formula;
 use crate::jit::CompiledFormula;
-use crate::trace::{Hits, Mismatch, Tile};
+use crate::trace::{Hits, Mismatch, Tile, Tracer};
+use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// One pass.
@@ -19,6 +21,8 @@ pub(super) struct StoredPass {
     pub(super) columns: Vec<Columns>,
     /// The nodes of each tile, if the formula gives something at every hit.
     pub(super) surface: Vec<SurfaceTile>,
+    /// What the misses of each tile see of the environment; empty without one.
+    pub(super) radiance: Vec<MissRadiance>,
     /// The order of work of each tile in a whole picture.
     pub(super) programs: Vec<Mutex<TileProgram>>,
     /// The columns of the variants that were in use last, if the formula chooses.
@@ -39,8 +43,11 @@ impl StoredPass {
         let hits = hits.for_lights(formula.evaluated_lights())?;
         let columns = Columns::of_tiles(compiled, formula, textures, &hits)?;
         let surface = SurfaceTile::of_tiles(compiled, formula, textures, &hits)?;
+        let tracer = Tracer::new(&hits.world, &hits.view);
+        let radiance = hits.tiles.par_iter().filter_map(|tile| MissRadiance::of_tile(&tracer, tile).transpose());
+        let radiance = radiance.collect::<Result<_, _>>()?;
         let programs = hits.tiles.iter().map(|_| Mutex::default()).collect();
-        Ok(Self { hits, columns, surface, programs, variants: Mutex::default() })
+        Ok(Self { hits, columns, surface, radiance, programs, variants: Mutex::default() })
     }
 
     /// The columns of the variants for these choices. They are kept, in place of those for other choices.
@@ -68,6 +75,8 @@ impl StoredPass {
         let programs = self.programs.iter().map(|program| program.lock().unwrap_or_else(PoisonError::into_inner).bytes());
         let columns = self.columns.iter().map(Columns::bytes).chain(self.surface.iter().map(SurfaceTile::bytes));
         let variants = self.variants.lock().unwrap_or_else(PoisonError::into_inner).as_ref().map_or(0, |known| known.bytes());
-        self.hits.bytes() as usize + columns.chain(programs).sum::<usize>() + variants
+        self.hits.bytes() as usize
+            + columns.chain(programs).chain(self.radiance.iter().map(MissRadiance::bytes)).sum::<usize>()
+            + variants
     }
 }

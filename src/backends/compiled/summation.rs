@@ -5,6 +5,7 @@
 
 use crate::backends::compiled::chosen::Chosen;
 use crate::backends::compiled::columns::{ColumnPart, Columns};
+use crate::backends::compiled::miss_radiance::MissRadiance;
 use crate::backends::compiled::place::TilePlace;
 use crate::backends::compiled::source::ContributionSource;
 use crate::backends::compiled::surface::SurfaceSummation;
@@ -24,6 +25,10 @@ pub(super) struct Summation<'p> {
     pub(super) at_hits: Vec<[f32; 3]>,
     /// The terms of each ray that leaves the scene.
     pub(super) at_misses: [f32; 3],
+    /// The terms of each such ray that are multiplied by the radiance of the environment.
+    pub(super) environment: [f32; 3],
+    /// That radiance: for each pass, that of its tiles. Empty without an environment.
+    pub(super) radiance: Vec<&'p [MissRadiance]>,
     /// The components that are computed. The others do not change.
     pub(super) channels: Channels,
     /// The code that adds to pixels, if the processor supports it.
@@ -71,6 +76,12 @@ impl<'p> SummationColumns<'p> {
 }
 
 impl<'p> Summation<'p> {
+    /// The radiance that the misses of a tile see, if it is added.
+    pub(super) fn radiance(&self, place: TilePlace) -> Option<&'p MissRadiance> {
+        let tiles = self.radiance.get(place.pass).filter(|_| self.environment != [0.0; 3])?;
+        tiles.get(place.tile)
+    }
+
     /// Adds a source with its uniform values.
     pub(super) fn push(&mut self, mut source: ContributionSource<'p>, mut uniforms: Vec<Splat>) {
         source.first_uniform = self.uniforms.len();

@@ -12,6 +12,7 @@
 
 use crate::backends::compiled::leaves::{StaticLeaf, StaticTextures};
 use crate::backends::compiled::memory::StreamMemory;
+use crate::backends::compiled::miss_radiance::MissRadiance;
 use crate::backends::compiled::place::TilePlace;
 use crate::evaluate::weights::Weight;
 use crate::formula::Formula;
@@ -397,6 +398,33 @@ impl SurfaceSummation<'_> {
                 } else if weight != [0.0; 3] {
                     let weighted = std::array::from_fn(|component| times(weight[component], colour[component]));
                     add(usize::from(nodes.pixels[node]), weighted);
+                }
+            }
+        }
+    }
+
+    /// Adds the radiance of the environment times a colour, for every ray that leaves the scene. `add` adds a colour to a
+    /// pixel of the tile.
+    pub(super) fn add_environment(
+        &self,
+        tile: &Tile,
+        place: TilePlace,
+        scratch: &mut SurfaceScratch,
+        (radiance, colour): (&MissRadiance, [f32; 3]),
+        mut add: impl FnMut(usize, [f32; 3]),
+    ) {
+        let nodes = self.nodes(place);
+        let SurfaceScratch { weights, collects, collected, .. } = scratch;
+        for span in &tile.misses {
+            // The nodes of a path and its misses are in the order of pixels.
+            for (node, miss) in nodes.paths[span.path.index()].clone().zip(span.hits.clone()) {
+                let (node, seen) = (node as usize, radiance.of(miss as usize));
+                let weight = weights[node];
+                let sum: [f32; 3] = std::array::from_fn(|component| colour[component] * seen[component]);
+                if *collects {
+                    collected[node] = std::array::from_fn(|component| collected[node][component] + sum[component]);
+                } else if weight != [0.0; 3] {
+                    add(usize::from(nodes.pixels[node]), std::array::from_fn(|at| times(weight[at], sum[at])));
                 }
             }
         }

@@ -105,6 +105,15 @@ impl Summation<'_> {
             Some(surface) => self.fill_nodes(surface, tile, place, accumulate, scratch),
         }
         let TileScratch { planes, weights, sums, span_weights, surface, .. } = scratch;
+        if let Some(radiance) = self.radiance(place) {
+            match &self.surface {
+                None => radiance.add(self.environment, weights, planes),
+                Some(summation) => {
+                    let add = |pixel: usize, colour: [f32; 3]| planes.add_colour(pixel, colour);
+                    summation.add_environment(tile, place, surface, (radiance, self.environment), add);
+                }
+            }
+        }
         let hit_weights = self.surface.as_ref().map(|summation| summation.hit_weights(place, surface));
         let inputs = TileInputs { tile, place, drag_columns, weights, hit_weights };
         program.prepare(self, &inputs);

@@ -19,7 +19,8 @@ pub use nan::NanOrigin;
 pub use report::{Crossing, End, InspectedHit, InspectedLight, InspectedRay, Inspection, Onward, Visibility};
 pub use text::left_out;
 
-use crate::formula::equation::{Equation, Site, weighed, weighed_by, weight_parameter};
+use crate::evaluate::equation_in;
+use crate::formula::equation::{Equation, EquationTerm, Site, weighed, weighed_by, weight_parameter};
 use crate::formula::{Formula, ParameterId, Term};
 use crate::lang::builtins::Stack;
 use crate::lang::scalars::{Floats, Scalars, flush};
@@ -28,6 +29,7 @@ use crate::lang::variables::{Owner, Predefined, Variable};
 use crate::scene::{BodyId, LightId};
 use crate::trace::{Child, CoordinatesUse, Edge, HitVariables, LightVariables, RayNode, Tracer, Tree, View, ray_tree, variable};
 use crate::world::{EmitterId, Ray, Side, World};
+use glam::DVec3;
 
 /// A formula on a scene, with the values of its parameters.
 #[derive(Debug, Clone, Copy)]
@@ -56,8 +58,7 @@ impl<'i> Inspector<'i> {
     /// # Panics
     /// Where there are fewer numbers than the [`Layout`](crate::formula::layout::Layout) of formula and scene has.
     pub fn new(formula: &'i Formula, world: &'i World, parameters: &'i [f32]) -> Self {
-        let scene = world.scene();
-        let equation = Equation::new(formula, scene.bodies.len(), scene.lights.len());
+        let equation = equation_in(formula, world);
         assert!(parameters.len() >= equation.layout.len(), "as many parameter numbers as the formula and the scene have");
         Self { formula, world, equation, parameters }
     }
@@ -109,7 +110,7 @@ impl<'i> Inspector<'i> {
                 }
             }
             let (end, own) = match node {
-                None => (End::Background, self.equation.sum(Site::Miss, self.parameters, 0)),
+                None => (End::Background, self.miss(ray.direction)),
                 Some(node) => {
                     let hit = self.hit(tracer, node);
                     let own = own(&hit);
@@ -131,6 +132,19 @@ impl<'i> Inspector<'i> {
             rays.push(InspectedRay { edge, parent, depth, ray, factor, weight, end, own, total: own, contribution });
         }
         rays
+    }
+
+    /// What a ray that leaves the scene in this direction brings.
+    fn miss(&self, direction: DVec3) -> [f32; 3] {
+        let background = self.equation.sum(Site::Miss, self.parameters, 0);
+        let Some(environment) = self.world.environment() else { return background };
+        let radiance = environment.radiance(direction);
+        let terms = EquationTerm::at(Site::Environment);
+        terms.fold(background, |sum, term| {
+            let owner = |factor: Predefined| self.equation.owner_of(factor, 0);
+            let value = |factor: Predefined| self.equation.value(self.parameters, factor, owner(factor));
+            add(sum, term.product_with(value, radiance))
+        })
     }
 
     /// A hit with its lights. Its child rays are filled in when they are followed.

@@ -1,9 +1,10 @@
 //! The log: times of compiling and tracing, numbers of hits, statistics of drags, and a chart of the last frames.
 
 use crate::lang::display_text::one_line;
+use crate::lang::memory_size::MemorySize;
 use crate::plan::Method;
 use crate::preview::FrameTimes;
-use crate::preview::renderer::Event;
+use crate::preview::renderer::{Event, PassCount};
 use crate::preview::workshop::Workshop;
 use egui::{Color32, Pos2, Rect, ScrollArea, Sense, Stroke, Ui, pos2, vec2};
 use std::collections::VecDeque;
@@ -23,6 +24,8 @@ pub(super) struct Log {
     /// The times of the last frame: layout, painting and present, in milliseconds.
     window: [f32; 3],
     bytes_per_pixel: Option<f64>,
+    /// How many passes the last picture has.
+    last_passes: Option<PassCount>,
     /// How many NaN pixels the log has reported.
     undefined: usize,
     /// The first of them.
@@ -71,6 +74,11 @@ impl Log {
         self.lines.iter().filter(|line| line.starts_with(word)).count()
     }
 
+    /// How many passes the last picture has.
+    pub(super) fn last_passes(&self) -> PassCount {
+        self.last_passes.unwrap_or_default()
+    }
+
     /// Adds lines that are safe to display already, such as diagnostics with source lines.
     pub(super) fn say_lines(&mut self, text: &str) {
         text.lines().for_each(|line| self.add(line));
@@ -101,7 +109,15 @@ impl Log {
                 self.bytes_per_pixel = Some(*bytes_per_pixel);
                 self.add(format!("ready in {}: {bytes_per_pixel:.1} bytes a pixel", milliseconds(*time)));
             }
-            Event::Frame { method, time } => self.frame(*method, *time, workshop),
+            Event::Frame { method, time, passes } => {
+                self.last_passes = Some(*passes);
+                self.frame(*method, *time, workshop);
+            }
+            Event::Passes { kept, wanted, time, bytes } => {
+                let memory = if kept < wanted { format!("; there is no memory for more of {wanted}") } else { String::new() };
+                let (time, bytes) = (milliseconds(*time), MemorySize(*bytes));
+                self.add(format!("traced {kept} passes: {time} for those after the first, {bytes} of memory{memory}"));
+            }
             Event::Moved { time, size } => self.moved(*time, *size, workshop),
             Event::Undefined(pixels, first) => {
                 self.first_undefined = *first;

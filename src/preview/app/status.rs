@@ -6,6 +6,7 @@ use crate::preview::app::log::thousands;
 use crate::preview::app::pane::body_at;
 use crate::preview::app::session_mistakes::capital;
 use crate::preview::app::{Action, App};
+use crate::preview::renderer::PassCount;
 use egui::{Button, ProgressBar, RichText, Ui};
 
 /// Draws the status bar.
@@ -22,6 +23,14 @@ pub(super) fn bar(app: &App, ui: &mut Ui, actions: &mut Vec<Action>) {
         if ui.small_button(backend.title).on_hover_text(tooltip).clicked() {
             actions.push(Action::SetBackend(next));
         }
+        let [done, wanted] = app.workshop.renderer().passes();
+        if wanted > 1 {
+            ui.separator();
+            let text = if done < wanted { format!("pass {done} of {wanted}") } else { format!("{done} passes") };
+            let about = "The picture is the mean of its passes. Their number is that of the session, or of the settings, as far as \
+                 there is memory for them.";
+            ui.label(text).on_hover_text(about);
+        }
         if let Some((count, first)) = app.log.undefined().filter(|_| app.workshop.is_up_to_date()) {
             ui.separator();
             let title = RichText::new(format!("⚠ NaN in {} pixels", thousands(count as u64))).color(ui.visuals().warn_fg_color);
@@ -35,7 +44,11 @@ pub(super) fn bar(app: &App, ui: &mut Ui, actions: &mut Vec<Action>) {
         if app.workshop.is_up_to_date() || app.workshop.held().is_some() {
             if let Some(time) = app.log.last_frame() {
                 ui.separator();
-                ui.label(format!("evaluated in {time:.2} ms")).on_hover_text("The time for the last picture, without tracing");
+                let PassCount { evaluated, shown } = app.log.last_passes();
+                let some = if evaluated < shown { format!(" ({evaluated} of {shown} passes)") } else { String::new() };
+                let about = "The time for the last picture, without tracing. Where not all passes fit a frame, some are evaluated \
+                     for what changes, and the rest when the slider rests.";
+                ui.label(format!("evaluated in {time:.2} ms{some}")).on_hover_text(about);
             }
             if let Some(bytes) = app.log.bytes_per_pixel() {
                 ui.separator();

@@ -2,18 +2,18 @@
 
 use crate::engine::{EngineError, Subject};
 use crate::evaluate::review::{PictureFinding, PictureSummary, ReviewedPicture, review};
-use crate::evaluate::{Drag, Evaluator, Framebuffer};
+use crate::evaluate::{Drag, Evaluator, Framebuffer, WholeFrames};
 use crate::formula::Formula;
 use crate::picture::Frame;
 use crate::plan::Method;
-use crate::preview::renderer::{Event, NanMask, Picture, RenderRequest};
+use crate::preview::renderer::{Event, NanMask, PassCount, Picture, RenderRequest, TracedHits};
 use crate::preview::resampling::scale;
 use crate::trace::Hits;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// What a held slider may keep, in bytes.
 const DRAG_BYTES: usize = 1 << 30;
@@ -22,6 +22,8 @@ const DRAG_BYTES: usize = 1 << 30;
 struct Held {
     indices: Vec<usize>,
     drag: Readiness,
+    /// What draws pictures of several passes until the drag is made.
+    interim: Option<WholeFrames>,
 }
 
 /// What pictures of a held slider are made with.
@@ -54,7 +56,14 @@ pub(super) struct DrawingWorker {
     unreviewed: Option<Option<PictureSummary>>,
     /// The last picture of the evaluator without a held slider. Another view transform needs no evaluation.
     linear: Option<LinearPicture>,
+    /// How long it takes to evaluate a pass.
+    pass_time: Duration,
+    /// Whether the last pass could not be added.
+    cannot_refine: bool,
 }
+
+/// Pictures of a held slider take about this long at most, where passes are evaluated.
+const FRAME_TIME: Duration = Duration::from_millis(14);
 
 /// The linear colours of a picture, with NaN as 0.
 struct LinearPicture {
@@ -64,9 +73,27 @@ struct LinearPicture {
     summary: Option<PictureSummary>,
     hits: Arc<Hits>,
     numbers: Vec<f32>,
+    passes: PassCount,
+    /// The sum of the first passes with these numbers, with NaN, and how many there are.
+    sum: Option<(Frame, usize)>,
+    /// How many pixels are NaN, and the index of the first.
+    undefined: usize,
+    first_undefined: Option<usize>,
 }
 
 impl LinearPicture {
+    /// A picture of these hits and parameter numbers, which may contain NaN.
+    fn new(mut frame: Frame, hits: &Arc<Hits>, numbers: Vec<f32>, passes: PassCount, sum: Option<(Frame, usize)>) -> Self {
+        let is_undefined = |pixel: &[f32; 3]| pixel.iter().any(|component| component.is_nan());
+        let first = frame.linear.iter().position(is_undefined);
+        // Most pictures have none, and are read once.
+        let summary = first.map(|_| PictureSummary::of(&frame));
+        let nan = first.map(|_| NanMask::of(&frame)).unwrap_or_default();
+        let undefined = if first.is_some() { frame.clean() } else { 0 };
+        let hits = Arc::clone(hits);
+        Self { frame: Arc::new(frame), nan, summary, hits, numbers, passes, sum, undefined, first_undefined: first }
+    }
+
     /// Whether it is the picture of these hits and parameter numbers.
     fn is_of(&self, hits: &Arc<Hits>, numbers: &[f32]) -> bool {
         let same = |(one, other): (&f32, &f32)| one.to_bits() == other.to_bits();
@@ -87,14 +114,17 @@ impl DrawingWorker {
 
     /// Prepares a part of the drag. Another thread plans and compiles it, and calls `done` at its end.
     pub(super) fn prepare(&mut self, done: impl FnOnce() + Send + 'static) {
-        let (Some(Held { indices, drag }), Some((_, ready))) = (&mut self.held, &self.ready) else { return };
+        let soon = self.ready.as_ref().map_or(1, |(_, ready)| self.soon(ready));
+        let (Some(Held { indices, drag, .. }), Some((of, ready))) = (&mut self.held, &self.ready) else { return };
+        let beginning = self.linear.as_ref().filter(|linear| Arc::ptr_eq(&linear.hits, of) && ready.passes() > 1);
+        let beginning = beginning.map(|linear| (Arc::clone(&linear.frame), linear.numbers.clone(), soon));
         *drag = match std::mem::replace(drag, Readiness::Impossible) {
             Readiness::First(numbers) => {
                 let (ready, indices) = (Arc::clone(ready), indices.clone());
                 let is_done = Arc::new(AtomicBool::new(false));
                 let told = Arc::clone(&is_done);
                 let make = move || {
-                    let made = ready.drag(&indices, &numbers, DRAG_BYTES).ok();
+                    let made = begin_drag(&ready, &indices, &numbers, beginning);
                     told.store(true, Ordering::Release);
                     done();
                     made
@@ -130,59 +160,237 @@ impl DrawingWorker {
         self.compile(request, tell)?;
         let prepare_start = Instant::now();
         let (ready, is_new) = self.evaluator(request, hits, numbers)?;
-        let [width, height] = [hits.view.width(), hits.view.height()];
         let mut framebuffer = self.framebuffer_for(request, hits);
         let frame_start = Instant::now();
-        if self.held.as_ref().map(|held| &held.indices) != held.as_ref() {
-            self.held = held.map(|indices| Held { indices, drag: Readiness::First(numbers.to_vec()) });
-        }
-        let mut told = None;
-        let (mut linear, mut nan) = (None, NanMask::default());
-        match &mut self.held {
-            Some(Held { drag: Readiness::Made(drag), .. }) => {
-                drag.frame(numbers, &mut framebuffer);
-                told = Some(Some(drag.method()));
+        let before = match self.held.as_ref().map(|held| &held.indices) == held.as_ref() {
+            true => None,
+            false => {
+                let taken = held.map(|indices| self.take_hold(&ready, hits, numbers, indices));
+                std::mem::replace(&mut self.held, taken)
             }
-            Some(_) => {
-                ready.draw(numbers, &mut framebuffer);
-                told = Some(Some(Method::General));
-            }
+        };
+        let is_held = self.held.is_some();
+        let (told, passes) = match self.draw_held(&ready, numbers, &mut framebuffer) {
+            Some((method, passes)) => (Some(Some(method)), passes),
             None => {
-                let (frame, mask, summary, undefined) = match self.linear.take().filter(|linear| linear.is_of(hits, numbers)) {
-                    Some(linear) => (linear.frame, linear.nan, linear.summary, None),
-                    None => {
-                        told = Some(None);
-                        let mut frame = ready.frame(numbers);
-                        let is_undefined = |pixel: &[f32; 3]| pixel.iter().any(|component| component.is_nan());
-                        let first = frame.linear.iter().position(is_undefined);
-                        let summary = first.map(|_| PictureSummary::of(&frame));
-                        // Most pictures have none, and are read once.
-                        let mask = first.map(|_| NanMask::of(&frame)).unwrap_or_default();
-                        let undefined = if first.is_some() { frame.clean() } else { 0 };
-                        (Arc::new(frame), mask, summary, Some((undefined, first)))
-                    }
-                };
-                framebuffer.set(&frame);
-                nan = mask.clone();
-                self.unreviewed = Some(summary.or_else(|| PictureSummary::if_remarkable(&frame, &request.transform)));
-                let (frame_kept, hits, numbers) = (Arc::clone(&frame), Arc::clone(hits), numbers.to_vec());
-                self.linear = Some(LinearPicture { frame: frame_kept, nan: mask, summary, hits, numbers });
-                linear = Some(frame);
-                if let Some((undefined, first)) = undefined {
-                    let view = &request.subject.view;
-                    // A pixel of a coarse picture stands for several.
-                    let full = |at: usize, side: u32, full: u32| (at as u64 * u64::from(full) / u64::from(side)) as u32;
-                    let place = |index: usize| {
-                        let (x, y) = (index % width as usize, index / width as usize);
-                        [full(x, width, view.width()), full(y, height, view.height())]
-                    };
-                    tell(Event::Undefined(undefined, first.map(place)));
+                let is_known = self.linear.as_ref().is_some_and(|linear| linear.is_of(hits, numbers));
+                if !is_known {
+                    let made = self.linear_picture(&ready, hits, numbers, before.as_ref());
+                    self.set_linear(request, made, tell);
+                }
+                (if is_known { None } else { Some(None) }, self.linear.as_ref().map_or_else(PassCount::default, |own| own.passes))
+            }
+        };
+        let picture = self.present(request, hits, framebuffer, is_held, room);
+        if is_new {
+            let bytes_per_pixel = ready.bytes() as f64 / f64::from(hits.view.pixels());
+            tell(Event::Ready { time: prepare_start.elapsed(), bytes_per_pixel });
+        } else if let Some(method) = told {
+            tell(Event::Frame { method, time: frame_start.elapsed(), passes });
+        }
+        Ok(Picture { passes, ..picture })
+    }
+
+    /// Whether the last picture can be improved: passes were traced since, or not all of them were evaluated.
+    pub(super) fn can_refine(&self, request: &RenderRequest, TracedHits { hits, more, .. }: &TracedHits) -> bool {
+        let (Some((of, ready)), Some(linear)) = (&self.ready, &self.linear) else { return false };
+        if self.cannot_refine || self.held.is_some() || !Arc::ptr_eq(of, hits) || hits.view != request.subject.view {
+            return false;
+        }
+        let evaluated = linear.sum.as_ref().map_or(0, |(_, passes)| *passes);
+        evaluated < ready.passes().max(wanted_passes(request, more))
+    }
+
+    /// Adds a pass that was traced to the picture that was drawn last, and evaluates what was not evaluated for it.
+    /// `None` once `hurries` is set.
+    ///
+    /// # Errors
+    /// The backend cannot prepare the formula for the hits.
+    pub(super) fn refine(
+        &mut self,
+        request: &RenderRequest,
+        (hits, more): (&Arc<Hits>, &[Arc<Hits>]),
+        numbers: &[f32],
+        hurries: &AtomicBool,
+        (tell, room): (&dyn Fn(Event), impl FnOnce() -> Vec<u32>),
+    ) -> Result<Option<Picture>, EngineError> {
+        let Some((of, mut ready)) = self.ready.take() else { return Ok(None) };
+        let start = Instant::now();
+        let own = ready.passes();
+        if own < wanted_passes(request, more)
+            && let Some(next) = more.get(own - 1)
+        {
+            match ready.with_pass(next) {
+                Ok(with_pass) => ready = with_pass,
+                Err(error) => {
+                    self.cannot_refine = true;
+                    self.ready = Some((of, ready));
+                    return Err(error.into());
                 }
             }
         }
+        self.ready = Some((of, Arc::clone(&ready)));
+        let Some(linear) = self.linear.as_mut().filter(|linear| linear.is_of(hits, numbers)) else { return Ok(None) };
+        let (sum, evaluated) = linear.sum.take().unzip();
+        let (all, mut evaluated) = (ready.passes(), evaluated.unwrap_or(0));
+        let mut sum = sum;
+        let evaluation = Instant::now();
+        let first = evaluated;
+        while evaluated < all {
+            // From nothing, all at once, else pass by pass: the order of additions is the same.
+            let passes = if sum.is_some() { evaluated..evaluated + 1 } else { 0..all };
+            let Some(more) = ready.sum(passes.clone(), numbers, hurries) else { break };
+            evaluated = passes.end;
+            match &mut sum {
+                Some(sum) => sum.add(&more),
+                None => sum = Some(more),
+            }
+        }
+        let is_done = evaluated == all;
+        if is_done && all > first {
+            // Fewer than 2³² passes.
+            self.pass_time = evaluation.elapsed() / (all - first) as u32;
+        }
+        let numbers = linear.numbers.clone();
+        let mean = sum.as_ref().filter(|_| is_done).map(|sum| mean(sum, evaluated));
+        linear.sum = sum.map(|sum| (sum, evaluated));
+        let Some(frame) = mean else { return Ok(None) };
+        let passes = PassCount { evaluated, shown: evaluated };
+        let sum = linear.sum.take();
+        self.set_linear(request, LinearPicture::new(frame, hits, numbers, passes, sum), tell);
+        let framebuffer = self.framebuffer_for(request, hits);
+        let picture = self.present(request, hits, framebuffer, false, room);
+        tell(Event::Frame { method: None, time: start.elapsed(), passes });
+        Ok(Some(Picture { passes, ..picture }))
+    }
+
+    /// How many passes are evaluated for a picture that must come soon: a power of two.
+    fn soon(&self, ready: &Arc<dyn Evaluator>) -> usize {
+        let all = ready.passes();
+        let fitting = FRAME_TIME.as_secs_f64() / self.pass_time.as_secs_f64().max(1e-6);
+        let fitting = (fitting as usize).clamp(1, all);
+        if fitting == all { all } else { 1 << fitting.ilog2() }
+    }
+
+    /// Takes a slider. Where there are several passes, few of them are evaluated until the drag is made.
+    fn take_hold(&self, ready: &Arc<dyn Evaluator>, hits: &Arc<Hits>, numbers: &[f32], indices: Vec<usize>) -> Held {
+        let interim = (ready.passes() > 1).then(|| {
+            let pixels = hits.view.pixels() as usize;
+            let mut interim = WholeFrames::new(Arc::clone(ready), pixels);
+            if let Some(linear) = self.linear.as_ref().filter(|linear| Arc::ptr_eq(&linear.hits, hits)) {
+                interim.begin_with(&linear.frame, &linear.numbers, self.soon(ready));
+            }
+            interim
+        });
+        Held { indices, drag: Readiness::First(numbers.to_vec()), interim }
+    }
+
+    /// Draws a picture of a held slider. `None` if none is held.
+    fn draw_held(
+        &mut self,
+        ready: &Arc<dyn Evaluator>,
+        numbers: &[f32],
+        framebuffer: &mut Framebuffer,
+    ) -> Option<(Method, PassCount)> {
+        let all = ready.passes();
+        let soon = self.soon(ready);
+        let some = |evaluated: usize| PassCount { evaluated, shown: all };
+        Some(match self.held.as_mut()? {
+            Held { drag: Readiness::Made(drag), .. } => {
+                drag.frame(numbers, framebuffer);
+                let is_exact = drag.method() == Method::Images && drag.is_ready();
+                (drag.method(), some(if is_exact { all } else { soon }))
+            }
+            Held { interim: Some(interim), .. } => {
+                interim.frame(numbers, framebuffer);
+                (Method::General, some(soon))
+            }
+            Held { interim: None, .. } => {
+                ready.draw(numbers, framebuffer);
+                (Method::General, some(all))
+            }
+        })
+    }
+
+    /// The linear picture of these numbers, quickly. `before` is the slider that was held until now.
+    fn linear_picture(
+        &mut self,
+        ready: &Arc<dyn Evaluator>,
+        hits: &Arc<Hits>,
+        numbers: &[f32],
+        before: Option<&Held>,
+    ) -> LinearPicture {
+        let all = ready.passes();
+        let last = self.linear.take().filter(|linear| Arc::ptr_eq(&linear.hits, hits));
+        let soon = self.soon(ready);
+        let part = |numbers: &[f32]| {
+            let sum = ready.sum(0..soon, numbers, &AtomicBool::new(false));
+            sum.unwrap_or_else(|| Frame::black(hits.view.width(), hits.view.height()))
+        };
+        if let Some(Held { drag: Readiness::Made(drag), .. }) = before
+            && all > 1
+            && let Some(frame) = drag.linear(numbers)
+        {
+            return LinearPicture::new(frame, hits, numbers.to_vec(), PassCount { evaluated: all, shown: all }, None);
+        }
+        match last {
+            // What the numbers change in few passes changes the picture of all passes.
+            Some(last) if soon < all => {
+                let mut frame = mean(&part(numbers), soon);
+                frame.add(&last.frame.rest_beside(&mean(&part(&last.numbers), soon)));
+                let passes = PassCount { evaluated: soon, shown: last.passes.shown };
+                LinearPicture::new(frame, hits, numbers.to_vec(), passes, None)
+            }
+            Some(_) | None => {
+                let start = Instant::now();
+                let sum = part(numbers);
+                // Fewer than 2³² passes.
+                self.pass_time = start.elapsed() / soon as u32;
+                let (frame, passes) = (mean(&sum, soon), PassCount { evaluated: soon, shown: soon });
+                LinearPicture::new(frame, hits, numbers.to_vec(), passes, Some((sum, soon)))
+            }
+        }
+    }
+
+    /// Keeps a linear picture as the last one, and tells how many pixels of it are undefined.
+    fn set_linear(&mut self, request: &RenderRequest, made: LinearPicture, tell: &dyn Fn(Event)) {
+        let undefined = made.undefined;
+        let is_news =
+            self.linear.as_ref().is_none_or(|last| last.undefined != undefined || !last.is_of(&made.hits, &made.numbers));
+        if is_news {
+            let [width, height] = [made.frame.width, made.frame.height];
+            let view = &request.subject.view;
+            // A pixel of a coarse picture stands for several.
+            let full = |at: usize, side: u32, full: u32| (at as u64 * u64::from(full) / u64::from(side)) as u32;
+            let place = |index: usize| {
+                let (x, y) = (index % width as usize, index / width as usize);
+                [full(x, width, view.width()), full(y, height, view.height())]
+            };
+            tell(Event::Undefined(undefined, made.first_undefined.map(place)));
+        }
+        self.linear = Some(made);
+    }
+
+    /// The picture in a framebuffer, in a buffer from `room`. That of a slider that is not held is the last linear
+    /// picture.
+    fn present(
+        &mut self,
+        request: &RenderRequest,
+        hits: &Hits,
+        mut framebuffer: Framebuffer,
+        is_held: bool,
+        room: impl FnOnce() -> Vec<u32>,
+    ) -> Picture {
+        let full = [hits.view.width(), hits.view.height()];
+        let (mut linear, mut nan) = (None, NanMask::default());
+        if let Some(last) = self.linear.as_ref().filter(|_| !is_held) {
+            framebuffer.set(&last.frame);
+            nan = last.nan.clone();
+            let summary = last.summary;
+            self.unreviewed = Some(summary.or_else(|| PictureSummary::if_remarkable(&last.frame, &request.transform)));
+            linear = Some(Arc::clone(&last.frame));
+        }
         let mut pixels = room();
-        let full = [width, height];
-        let is_held = matches!(told, Some(Some(_)));
         let smaller = self.shown.filter(|shown| is_held && (0..2).all(|axis| (1..full[axis]).contains(&shown[axis])));
         match smaller {
             Some(shown) => scale(&framebuffer.pixels, full, shown, &mut pixels),
@@ -190,15 +398,9 @@ impl DrawingWorker {
         }
         let [width, height] = smaller.unwrap_or(full);
         self.framebuffer = Some(framebuffer);
-        if is_new {
-            let bytes_per_pixel = ready.bytes() as f64 / f64::from(full[0] * full[1]);
-            tell(Event::Ready { time: prepare_start.elapsed(), bytes_per_pixel });
-        } else if let Some(method) = told {
-            tell(Event::Frame { method, time: frame_start.elapsed() });
-        }
         let view = &request.subject.view;
         let full_size = [view.width(), view.height()];
-        Ok(Picture { width, height, pixels, version: 0, values: 0, full_size, linear, nan })
+        Picture { width, height, pixels, full_size, linear, nan, ..Picture::default() }
     }
 
     /// What is remarkable about the picture that was drawn last, if it was evaluated at rest in full size.
@@ -244,6 +446,7 @@ impl DrawingWorker {
         self.held = None;
         self.ready = None;
         self.linear = None;
+        self.cannot_refine = false;
         let made = engine.prepare(subject, hits, numbers)?;
         self.ready = Some((Arc::clone(hits), Arc::clone(&made)));
         Ok((made, true))
@@ -260,6 +463,40 @@ impl DrawingWorker {
             }
         }
     }
+}
+
+/// Plans and compiles a drag. With several passes, it begins with a picture and its numbers, and evaluates the given
+/// number of passes. `None` if that is not possible: other numbers have changed too, or the backend has no drags.
+fn begin_drag(
+    ready: &Arc<dyn Evaluator>,
+    indices: &[usize],
+    numbers: &[f32],
+    beginning: Option<(Arc<Frame>, Vec<f32>, usize)>,
+) -> Option<Box<dyn Drag>> {
+    let Some((frame, before, passes)) = beginning else {
+        return if ready.passes() > 1 { None } else { Arc::clone(ready).drag(indices, numbers, DRAG_BYTES).ok() };
+    };
+    let changed = |(index, (one, other)): (usize, (&f32, &f32))| one.to_bits() != other.to_bits() && !indices.contains(&index);
+    if before.len() != numbers.len() || before.iter().zip(numbers).enumerate().any(changed) {
+        return None;
+    }
+    let mut drag = Arc::clone(ready).drag(indices, &before, DRAG_BYTES).ok()?;
+    drag.begin_with(&frame, &before, passes);
+    Some(drag)
+}
+
+/// How many passes there will be of those that were traced, the first one included.
+fn wanted_passes(request: &RenderRequest, more: &[Arc<Hits>]) -> usize {
+    (more.len() + 1).min(request.samples as usize)
+}
+
+/// The mean of a sum of passes.
+fn mean(sum: &Frame, passes: usize) -> Frame {
+    let mut frame = sum.clone();
+    if passes > 1 {
+        frame.scale(1.0 / passes as f32);
+    }
+    frame
 }
 
 /// Copies pixels, on all threads of the current pool. Copying a large picture can take longer than drawing a frame of

@@ -19,7 +19,7 @@ fn request(width: u32, height: u32) -> (RenderRequest, Values) {
     let view = View::new(width, height).expect("a size in range").with_depth(3).expect("a depth in range");
     let (subject, transform) =
         (Subject::new(formula, scene, &crate::world::Assets::NONE, view).expect("no meshes"), ViewTransform::default());
-    (RenderRequest { subject, engine: Engine::default(), transform, moves: false }, values)
+    (RenderRequest { subject, engine: Engine::default(), transform, moves: false, samples: 1 }, values)
 }
 
 /// Moves a slider of a body. Returns the indices of its numbers.

@@ -14,7 +14,7 @@ const HAND_RESTS: Duration = Duration::from_millis(150);
 
 /// Traces what is wanted, whenever that changes.
 pub(super) fn trace_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
-    let mut traced: Option<Subject> = None;
+    let mut traced: Option<(Subject, u32)> = None;
     // The coarseness of the picture before, if it was one of a moving scene.
     let mut seen = None;
     loop {
@@ -25,7 +25,13 @@ pub(super) fn trace_forever(shared: &Arc<RendererState>, events: &Sender<Event>)
                     return;
                 }
                 match &wanted.request {
-                    Some(request) if !traced.as_ref().is_some_and(|traced| traced.same_hits(&request.subject)) => break,
+                    Some(request)
+                        if !traced.as_ref().is_some_and(|(traced, samples)| {
+                            traced.same_hits(&request.subject) && *samples == request.samples
+                        }) =>
+                    {
+                        break;
+                    }
                     Some(_) | None => wanted = shared.wait(wanted),
                 }
             }
@@ -35,19 +41,26 @@ pub(super) fn trace_forever(shared: &Arc<RendererState>, events: &Sender<Event>)
             (wanted.request.clone(), wanted.requested)
         };
         let Some(request) = request else { continue };
-        traced = Some(request.subject.clone());
+        // With another number of passes, those that are there stay.
+        let is_known = traced.as_ref().is_some_and(|(traced, _)| traced.same_hits(&request.subject));
+        traced = Some((request.subject.clone(), request.samples));
         let view = request.subject.view;
-        let mut views = stages(&view, seen.take());
-        if request.moves {
+        let mut views = if is_known { Vec::new() } else { stages(&view, seen.take()) };
+        if request.moves && !is_known {
             let coarseness = shared.pace().coarseness(&view);
             seen = Some(coarseness);
             let moving = coarse(&view, coarseness).unwrap_or(view);
             views = if trace_moving(shared, events, &request, requested, moving) { vec![view] } else { Vec::new() };
         }
+        let mut is_whole = is_known || !views.is_empty();
         for view in views {
-            if trace_stage(shared, events, &request, requested, view).is_none() {
+            is_whole = trace_stage(shared, events, &request, requested, view).is_some();
+            if !is_whole {
                 break;
             }
+        }
+        if is_whole && (request.samples > 1 || is_known) {
+            trace_passes(shared, events, &request);
         }
         shared.progress.store(1000, Ordering::Relaxed);
         (shared.wake)();
@@ -90,7 +103,7 @@ fn trace_moving(
         return false;
     }
     let is_full = view == subject.view;
-    wanted.hits = Some(TracedHits { hits, requested, moving: Some(time) });
+    wanted.hits = Some(TracedHits { hits, more: Vec::new(), requested, moving: Some(time) });
     shared.changed.notify_all();
     let is_newest = |wanted: &mut WantedPicture| {
         let same = wanted.request.as_ref().is_some_and(|wanted| wanted.subject.same_hits(subject));
@@ -141,8 +154,71 @@ fn trace_stage(
     let _ = events.send(Event::Traced { time, counts, size, full });
     // The request may have changed since, but not the hits.
     let requested = if wanted.requested > requested { wanted.requested } else { requested };
-    wanted.hits = Some(TracedHits { hits, requested, moving: None });
+    wanted.hits = Some(TracedHits { hits, more: Vec::new(), requested, moving: None });
+    shared.passes[0].store(1, Ordering::Relaxed);
+    shared.passes[1]
+        .store(if full { wanted.request.as_ref().map_or(1, |request| request.samples) } else { 1 }, Ordering::Relaxed);
     drop(wanted);
     shared.changed.notify_all();
     Some(())
+}
+
+/// Traces the passes after the first, until all are traced, there is no memory for more, or something else is wanted.
+/// It waits while a slider is held.
+fn trace_passes(shared: &RendererState, events: &Sender<Event>, RenderRequest { subject, engine, samples, .. }: &RenderRequest) {
+    let is_current = |wanted: &WantedPicture| {
+        !wanted.quit
+            && wanted.request.as_ref().is_some_and(|request| request.subject.same_hits(subject) && request.samples == *samples)
+    };
+    let limit = engine.memory();
+    let (mut bytes, mut time) = (0, Duration::ZERO);
+    let known = shared.wanted().hits.as_ref().map_or(0, |traced| traced.more.len());
+    // No more than wanted, which are 32 bits.
+    let mut pass = (known as u32 + 1).min(*samples);
+    shared.passes[0].store(pass, Ordering::Relaxed);
+    shared.passes[1].store(*samples, Ordering::Relaxed);
+    while pass < *samples {
+        {
+            let mut wanted = shared.wanted();
+            while is_current(&wanted) && wanted.held.is_some() {
+                wanted = shared.wait(wanted);
+            }
+            let Some(traced) = wanted.hits.as_ref().filter(|_| is_current(&wanted)) else { return };
+            if bytes == 0 {
+                bytes = engine.kept_bytes(subject, &traced.hits).unwrap_or(u64::MAX);
+            }
+            // All passes take about as much as the first.
+            if bytes.saturating_mul(u64::from(pass) + 1) > limit {
+                break;
+            }
+            shared.cancelled.store(false, Ordering::Relaxed);
+            wanted.traces_more = true;
+        }
+        let start = Instant::now();
+        let view = subject.view.with_pass(pass);
+        let task = Task { progress: &|_| (), cancelled: &shared.cancelled };
+        let hits = engine.trace(&Subject { view, ..subject.clone() }, &task);
+        time += start.elapsed();
+        let mut wanted = shared.wanted();
+        wanted.traces_more = false;
+        if !is_current(&wanted) {
+            return;
+        }
+        match (hits, &mut wanted.hits) {
+            (Ok(hits), Some(traced)) if traced.more.len() + 1 == pass as usize => traced.more.push(hits),
+            // A slider was taken. The pass is traced again when it is let go.
+            (Err(error), _) if error.is_cancelled() => continue,
+            // There is no memory for more.
+            (Err(_), _) => break,
+            (Ok(_), _) => return,
+        }
+        pass += 1;
+        shared.passes[0].store(pass, Ordering::Relaxed);
+        drop(wanted);
+        shared.changed.notify_all();
+        (shared.wake)();
+    }
+    let kept = pass as usize;
+    shared.passes[1].store(pass, Ordering::Relaxed);
+    let _ = events.send(Event::Passes { kept, wanted: *samples as usize, time, bytes: bytes.saturating_mul(u64::from(pass)) });
 }

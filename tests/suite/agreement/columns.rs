@@ -5,7 +5,7 @@
 //! live part for drags.
 
 use illuminator::evaluate::weights::{PathMonomials, Powers, Weight, path_weights};
-use illuminator::evaluate::{Backend, Drag, Drawn, EvaluateError, Evaluator, Footprint, Framebuffer};
+use illuminator::evaluate::{Backend, Drag, Drawn, EvaluateError, Evaluator, Footprint, Framebuffer, equation_in};
 use illuminator::formula::equation::{Equation, Site};
 use illuminator::formula::graph::{Graph, Node, NodeId};
 use illuminator::formula::{Formula, Parameter, ParameterId};
@@ -13,7 +13,9 @@ use illuminator::lang::scalars::{Floats, flush};
 use illuminator::lang::variables::{Owner, Variable};
 use illuminator::picture::Frame;
 use illuminator::plan::{ContributionPlan, DragPlan, FormulaPlan, KernelPlan, Method, SliderPlan, moved_parameters};
-use illuminator::trace::{CoordinatesUse, Group, HitVariables, Hits, LightVariables, Tile, Tracer, View, replay, variable};
+use illuminator::trace::{
+    CoordinatesUse, Group, HitVariables, Hits, LightVariables, Tile, Tracer, View, replay, replay_misses, variable,
+};
 use illuminator::world::World;
 use std::collections::{BTreeSet, HashMap};
 use std::ops::Range;
@@ -46,7 +48,7 @@ impl Backend for ColumnsBackend {
         }
         let plan = FormulaPlan::new(formula);
         let hits = hits.for_lights(formula.evaluated_lights())?;
-        let (tracer, scene) = (Tracer::new(&hits.world, &hits.view), hits.world.scene());
+        let tracer = Tracer::new(&hits.world, &hits.view);
         let is_parameter = |leaf: NodeId| matches!(plan.bindings.graph.node(leaf), Node::Parameter(..));
         let reads_textures = plan.hits.inputs().chain(plan.records.inputs()).any(is_parameter);
         let columns = |tile: &Tile| {
@@ -54,7 +56,7 @@ impl Backend for ColumnsBackend {
             tile.groups.iter().map(of_group).collect::<Result<_, _>>()
         };
         let tiles = hits.tiles.iter().map(columns).collect::<Result<_, _>>()?;
-        let equation = Equation::new(formula, scene.bodies.len(), scene.lights.len());
+        let equation = equation_in(formula, &hits.world);
         let parameters = formula.parameters.clone();
         Ok(Arc::new(ColumnsEvaluator { plan, equation, parameters, hits, tiles, reads_textures }))
     }
@@ -146,6 +148,7 @@ struct Pass<'s> {
     sources: Vec<Source<'s>>,
     at_hits: Vec<[f32; 3]>,
     at_misses: [f32; 3],
+    environment: [f32; 3],
 }
 
 struct ColumnsEvaluator {
@@ -247,6 +250,17 @@ impl ColumnsEvaluator {
                     pixel += 1;
                 }
             }
+            if let Some(environment) = self.hits.world.environment() {
+                let tracer = Tracer::new(&self.hits.world, &self.hits.view);
+                for span in tile.misses.iter().filter(|span| !weights[span.path.index()].is_zero()) {
+                    let see = |pixel: u32, direction| {
+                        let radiance = environment.radiance(direction);
+                        let colour = [0, 1, 2].map(|component| pass.environment[component] * radiance[component]);
+                        put((pixel - tile.pixels.start) as usize, weights[span.path.index()], colour);
+                    };
+                    replay_misses(&tracer, tile, span, see).expect("misses of the scene");
+                }
+            }
         }
     }
 
@@ -280,7 +294,12 @@ impl Evaluator for ColumnsEvaluator {
         let mut frame = Frame::black(self.hits.view.width(), self.hits.view.height());
         let source = self.source(|_, light| self.is_on(parameters, light));
         let at_hits = self.at_hits(|body| self.equation.sum(Site::Hit, parameters, body));
-        let pass = Pass { sources: vec![source], at_hits, at_misses: self.equation.sum(Site::Miss, parameters, 0) };
+        let pass = Pass {
+            sources: vec![source],
+            at_hits,
+            at_misses: self.equation.sum(Site::Miss, parameters, 0),
+            environment: self.equation.sum(Site::Environment, parameters, 0),
+        };
         self.add(&pass, parameters, &|tile| self.weights(tile, parameters), &mut frame.linear);
         Some(frame)
     }
@@ -341,7 +360,12 @@ impl ColumnsDrag {
         let active = || Box::new(move |body, light| evaluator.is_on(parameters, light) && plan.moves_pair(body, light));
         let fixed = plan.slider.fixed.as_ref().map(|fixed| self.source(fixed, vec![0, 1, 2], active()));
         let at_hits = evaluator.at_hits(|body| plan.fixed(Site::Hit, parameters, body));
-        Pass { sources: std::iter::once(whole).chain(fixed).collect(), at_hits, at_misses: plan.fixed(Site::Miss, parameters, 0) }
+        Pass {
+            sources: std::iter::once(whole).chain(fixed).collect(),
+            at_hits,
+            at_misses: plan.fixed(Site::Miss, parameters, 0),
+            environment: plan.fixed(Site::Environment, parameters, 0),
+        }
     }
 
     fn term_pass(&self, index: usize) -> Pass<'_> {
@@ -354,7 +378,12 @@ impl ColumnsDrag {
             self.source(&plan.slider.moving[contribution], plan.moving_channels().components().collect(), Box::new(active))
         });
         let at_hits = evaluator.at_hits(|body| plan.image_colour(term, Site::Hit, parameters, body));
-        Pass { sources: source.into_iter().collect(), at_hits, at_misses: plan.image_colour(term, Site::Miss, parameters, 0) }
+        Pass {
+            sources: source.into_iter().collect(),
+            at_hits,
+            at_misses: plan.image_colour(term, Site::Miss, parameters, 0),
+            environment: plan.image_colour(term, Site::Environment, parameters, 0),
+        }
     }
 
     fn image(&self, pass: &Pass, powers: Powers) -> Vec<[f32; 3]> {
@@ -400,7 +429,7 @@ impl ColumnsDrag {
         let mut source = self.source(&plan.slider.moving[0], plan.moving_channels().components().collect(), active);
         source.drag_columns = plan.slider.columns.as_ref();
         let at_hits = evaluator.at_hits(|body| plan.moving(Site::Hit, parameters, body));
-        let pass = Pass { sources: vec![source], at_hits, at_misses: [0.0; 3] };
+        let pass = Pass { sources: vec![source], at_hits, at_misses: [0.0; 3], environment: [0.0; 3] };
         evaluator.add(&pass, parameters, &|tile| evaluator.weights(tile, parameters), picture);
     }
 }

@@ -121,6 +121,7 @@ static COMPARED: AtomicUsize = AtomicUsize::new(0);
 /// A formula on the scene by both backends, and numbers for its parameters.
 pub(super) struct Case {
     pub(super) text: String,
+    pub(super) subject: Subject,
     pub(super) formula: Arc<Formula>,
     pub(super) layout: Layout,
     /// One for each backend under test.
@@ -131,29 +132,54 @@ pub(super) struct Case {
 
 impl Case {
     /// A formula of two macros and a result. Some of its parameters have bounds.
-    pub(super) fn new([scalar, vector, result]: [&str; 3], numbers: &[f32]) -> Result<Self, TestCaseError> {
-        let text = format!(
+    pub(super) fn new(parts: [&str; 3], numbers: &[f32]) -> Result<Self, TestCaseError> {
+        Self::of(Self::text(parts), numbers, &backends())
+    }
+
+    /// A formula of two macros and a result. Some of its parameters have bounds.
+    pub(super) fn text([scalar, vector, result]: [&str; 3]) -> String {
+        format!(
             "global; g: scalar, constraint -1..50; body_specific; p: scalar; q: scalar, constraint 0..1; v: vector; wood: texture; \
              light_specific; l: scalar; formula; MS = {scalar}; MV = {vector}; = {result};"
-        );
-        Self::of(text, numbers, &backends())
+        )
+    }
+
+    /// The nearest value that the number with this index can take.
+    pub(super) fn clamped(&self, index: usize, value: f32) -> f32 {
+        let holds = |parameter: &&illuminator::formula::Parameter| {
+            let (owner, _, slot) = self.layout.owner_of(index).expect("an owner");
+            let first = parameter.slot as usize;
+            parameter.owner == owner && (first..first + parameter.ty.slots()).contains(&slot)
+        };
+        self.formula.parameters.iter().find(holds).expect("a parameter").clamp(value).0
     }
 
     /// A formula on the scene by these backends.
     pub(super) fn of(text: String, numbers: &[f32], backends: &[Arc<dyn Backend>]) -> Result<Self, TestCaseError> {
+        Self::in_pass(text, numbers, backends, SCENE, 0)
+    }
+
+    /// A formula on a scene in one pass, by these backends.
+    pub(super) fn in_pass(
+        text: String,
+        numbers: &[f32],
+        backends: &[Arc<dyn Backend>],
+        scene: &str,
+        pass: u32,
+    ) -> Result<Self, TestCaseError> {
         // Numbers from 0.5 to 1.5 are then those of a texture.
         assert_eq!(crate::agreement::textures::number(), 1.0);
         let source = Source::new("random", text.clone());
         let (formula, _) = Formula::parse(&source).map_err(|errors| TestCaseError::fail(errors.located(&source).to_string()))?;
-        let (scene, _) = Scene::parse(&Source::new("scene", SCENE)).map_err(|_| TestCaseError::fail("the scene is right"))?;
+        let (scene, _) = Scene::parse(&Source::new("scene", scene)).map_err(|_| TestCaseError::fail("the scene is right"))?;
         let failed = |error: &dyn std::fmt::Display| TestCaseError::fail(error.to_string());
-        let view = View::new(SIZE.0, SIZE.1).and_then(|view| view.with_depth(4)).map_err(|error| failed(&error))?;
+        let view = View::new(SIZE.0, SIZE.1).and_then(|view| view.with_depth(4)).map_err(|error| failed(&error))?.with_pass(pass);
         let subject = Subject::new(formula, scene, &illuminator::world::Assets::NONE, view).expect("no meshes");
         let evaluator = |backend: &Arc<dyn Backend>| {
             Engine::new(Arc::clone(backend)).evaluator(&subject, &[], &Task::UNWATCHED).map_err(|error| failed(&error))
         };
         let evaluators = backends.iter().map(evaluator).collect::<Result<_, _>>()?;
-        let Subject { formula, world, .. } = subject;
+        let Subject { formula, world, .. } = subject.clone();
         let scene = world.scene();
         let interpreted = Interpreted::new(&formula, &world, view).map_err(|error| failed(&error))?;
         let layout = Layout::new(&formula, scene.bodies.len(), scene.lights.len());
@@ -164,7 +190,7 @@ impl Case {
                 memory[first..first + parameter.ty.slots()].iter_mut().for_each(|number| *number = parameter.clamp(*number).0);
             }
         }
-        Ok(Self { text, formula, layout, evaluators, interpreted, memory })
+        Ok(Self { text, subject, formula, layout, evaluators, interpreted, memory })
     }
 }
 

@@ -11,6 +11,7 @@ mod columns;
 mod drags;
 mod formulas;
 mod operations;
+mod passes;
 mod sessions;
 mod surface;
 mod textures;

@@ -3,7 +3,7 @@
 use crate::backends::compiled::drag::cells::CellSet;
 use crate::evaluate::weights::{PathMonomials, Powers, Weight};
 use crate::formula::equation::{Site, TERMS};
-use crate::plan::DragPlan;
+use crate::plan::{DragPlan, is_of_miss};
 use crate::trace::{Group, Span, Tile};
 use crate::world::{EmitterId, World};
 
@@ -36,10 +36,14 @@ impl Reach<'_> {
 
     /// Whether an image contains rays that leave the scene.
     pub(super) fn has_misses(&self, image: u8) -> bool {
-        let of_misses = |index: &usize| TERMS[self.plan.moved_terms[*index].term].site == Site::Miss;
+        let of_misses = |index: &usize| is_of_miss(TERMS[self.plan.moved_terms[*index].term].site);
         match usize::from(image).checked_sub(1) {
             Some(term) => self.plan.terms[term].moved_terms.iter().any(of_misses),
-            None => !self.plan.moved_at(Site::Miss).any(|moved| moved.components == [true; 3]),
+            // Background and environment are different terms, so one of them may be left.
+            None => {
+                let moves = |site: Site| self.plan.moved_at(site).any(|moved| moved.components == [true; 3]);
+                !moves(Site::Miss) || self.plan.equation.environment.is_some() && !moves(Site::Environment)
+            }
         }
     }
 

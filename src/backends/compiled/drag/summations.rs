@@ -103,6 +103,7 @@ impl DragKernels {
             *colour = plan.fixed(Site::Hit, parameters, body);
         }
         summation.at_misses = plan.fixed(Site::Miss, parameters, 0);
+        summation.environment = plan.fixed(Site::Environment, parameters, 0);
         for source in &mut summation.sources {
             let lights = source.lights;
             for (pair, active) in source.active.iter_mut().enumerate() {
@@ -135,6 +136,7 @@ impl DragKernels {
         let at_hits = bodies.map(|body| plan.image_colour(term, Site::Hit, parameters, body)).collect();
         let at_misses = plan.image_colour(term, Site::Miss, parameters, 0);
         let mut summation = compiled.empty_summation(at_hits, at_misses, plan.channels);
+        summation.environment = plan.image_colour(term, Site::Environment, parameters, 0);
         summation.surface = self.surface_summation(compiled, parameters, false);
         if let Some(index) = term.contribution
             && let Some(contribution) = self.kernels.moving.get(index)

@@ -1,0 +1,142 @@
+//! Pictures of several passes under every kind of light: both backends agree pass by pass, and drags over sums of passes
+//! give the mean of all passes.
+
+use crate::agreement::drags::{VIEWS, together, wrong};
+use crate::agreement::formulas::{Case, SIZE, check, ingredients, number, runner};
+use crate::agreement::{backends, compiled};
+use illuminator::backends::compiled::Jit;
+use illuminator::engine::{Engine, Subject, Task};
+use illuminator::evaluate::{Backend, Evaluator, Framebuffer};
+use illuminator::picture::{Frame, Transfer};
+use illuminator::plan::Method;
+use illuminator::trace::View;
+use illuminator::workspace::Values;
+use proptest::prelude::*;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// Every kind of light on a floor, a mirror and glass.
+const SCENE: &str = "
+    bodies;
+    floor: rectangle, <-5,0,-6>, <5,0,-6>, <5,0,4>, opaque;
+    ball: sphere, center <-0.8,1,0>, radius 1;
+    box: box, <0.6,0,-0.5>, <1.6,1,0.5>;
+    lights;
+    sun: directional, <-1,-2,-1>;
+    beam: spot, <3,4,2>, target <0.5,0,0>, angle 20, soft 12;
+    globe: sphere, center <-3,3,1>, radius 0.7;
+    panel: rectangle, <-1,4,-1>, <1,4,-1>, <1,4,1>;
+    lamp: point, <0,2,4>;
+    sky: environment, rotate 30;
+    camera; position <0,1.6,6>; gaze <0,-0.15,-1>; up <0,1,0>; fov 40;";
+
+/// The same formula and scene with another pass added to every evaluator.
+fn with_passes(case: &mut Case, backends: &[Arc<dyn Backend>], passes: u32) {
+    for pass in 1..passes {
+        for (evaluator, backend) in case.evaluators.iter_mut().zip(backends) {
+            let view = case.subject.view.with_pass(pass);
+            let subject = Subject { view, ..case.subject.clone() };
+            let hits = Engine::new(Arc::clone(backend)).trace(&subject, &Task::UNWATCHED).expect("small enough");
+            *evaluator = evaluator.with_pass(&hits).expect("hits of another pass");
+        }
+    }
+}
+
+#[test]
+fn random_formulas_agree_in_every_pass() {
+    let outcome = runner(150).run(&(ingredients(), 0..4_u32), |((scalar, vector, result, numbers), pass)| {
+        let text = Case::text([&scalar, &vector, &result]);
+        check(&Case::in_pass(text, &numbers, &backends(), SCENE, pass)?)
+    });
+    if let Err(error) = outcome {
+        panic!("{error}");
+    }
+}
+
+static METHODS: [AtomicUsize; 3] = [const { AtomicUsize::new(0) }; 3];
+
+/// Drags numbers through values, from scratch and from the picture of all passes.
+fn drag(case: &Case, evaluator: &Arc<dyn Evaluator>, moved: &[usize], values: &[f32]) -> Result<Method, TestCaseError> {
+    let picture = Arc::new(evaluator.frame(&case.memory));
+    let failed = |error: &dyn std::fmt::Display| TestCaseError::fail(error.to_string());
+    let mut method = Method::General;
+    for begins in [false, true] {
+        let drag = Arc::clone(evaluator).drag(moved, &case.memory, usize::MAX);
+        let mut drag = drag.map_err(|error| failed(&error))?;
+        let mut cleaned = Frame::clone(&picture);
+        let is_finite = picture.linear.as_flattened().iter().all(|number| number.abs() < 1e3);
+        cleaned.clean();
+        let mut drawn = Framebuffer::black(SIZE.0, SIZE.1, VIEWS[1]);
+        if begins {
+            drag.begin_with(&Arc::new(cleaned), &case.memory, 1);
+            drag.frame(&case.memory, &mut drawn);
+            if is_finite {
+                prop_assert_eq!(wrong(&drawn, &picture), 0, "the numbers have not moved: {}", &case.text);
+            }
+        }
+        while !drag.prepare() {}
+        let mut memory = case.memory.clone();
+        for value in values {
+            moved.iter().for_each(|index| memory[*index] = case.clamped(*index, *value));
+            drag.frame(&memory, &mut drawn);
+            method = drag.method();
+            if begins && (method != Method::Images || !is_finite) {
+                continue;
+            }
+            let frame = evaluator.frame(&memory);
+            prop_assert_eq!(wrong(&drawn, &frame), 0, "{} by {:?}, {}, {:?} to {}", &case.text, method, begins, moved, value);
+            if let Some(linear) = drag.linear(&memory) {
+                let far = |(one, other): (&f32, &f32)| (one - other).abs() > 1e-4 * other.abs().max(1.0);
+                let far = linear.linear.as_flattened().iter().zip(frame.linear.as_flattened()).filter(|pair| far(*pair)).count();
+                prop_assert_eq!(far, 0, "{}", &case.text);
+            }
+        }
+    }
+    Ok(method)
+}
+
+#[test]
+fn random_drags_of_passes_give_their_mean() {
+    let backends = [compiled().pop().expect("a width")];
+    let strategy = (ingredients(), any::<prop::sample::Index>(), any::<bool>(), proptest::collection::vec(number(), 2));
+    let outcome = runner(200).run(&strategy, |((scalar, vector, result, numbers), which, all, values)| {
+        let mut case = Case::in_pass(Case::text([&scalar, &vector, &result]), &numbers, &backends, SCENE, 0)?;
+        with_passes(&mut case, &backends, 3);
+        let index = which.index(case.layout.len());
+        let moved = if all { together(&case, index) } else { vec![index] };
+        let method = drag(&case, &case.evaluators[0], &moved, &values)?;
+        METHODS[method as usize].fetch_add(1, Ordering::Relaxed);
+        Ok(())
+    });
+    let methods = METHODS.each_ref().map(|count| count.load(Ordering::Relaxed));
+    println!("images, specialised, general: {methods:?}");
+    if let Err(error) = outcome {
+        panic!("{error}");
+    }
+    assert!(methods[0] > 10, "images are tried: {methods:?}");
+}
+
+#[test]
+fn passes_one_by_one_and_all_at_once_give_the_same_bits() {
+    let formula = "body_specific; kd: scalar, constraint 0..1, default 0.5; formula; reflected = 0.2; = kd*IL*Cd*max(0, N.L);";
+    let subject = Subject::parse(formula, SCENE, View::new(60, 40).expect("a size")).expect("sound texts");
+    let values = Values::defaults(&subject.formula, subject.world.scene());
+    let engine = Engine::new(Arc::new(Jit::default()));
+    let mean = engine.picture(&subject, values.numbers(), 5, &Task::UNWATCHED).expect("small enough");
+    let mut evaluator = engine.evaluator(&subject, values.numbers(), &Task::UNWATCHED).expect("small enough");
+    let never = AtomicBool::new(false);
+    let mut sum = evaluator.sum(0..1, values.numbers(), &never).expect("it is not cancelled");
+    for pass in 1..5 {
+        let subject = Subject { view: subject.view.with_pass(pass), ..subject.clone() };
+        evaluator = evaluator.with_pass(&engine.trace(&subject, &Task::UNWATCHED).expect("small enough")).expect("its hits");
+        let pass = pass as usize;
+        sum.add(&evaluator.sum(pass..pass + 1, values.numbers(), &never).expect("it is not cancelled"));
+    }
+    sum.scale(1.0 / 5.0);
+    assert!(evaluator.frame(values.numbers()) == mean && sum == mean);
+    let mut drawn = Framebuffer::black(60, 40, Transfer::Linear);
+    evaluator.draw(values.numbers(), &mut drawn);
+    assert_eq!(wrong(&drawn, &mean), 0);
+    assert_eq!(evaluator.passes(), 5);
+    assert!(evaluator.sum(0..5, values.numbers(), &AtomicBool::new(true)).is_none());
+}
