@@ -7,11 +7,14 @@ use crate::cli::options::{InputOptions, PassOptions};
 use crate::cli::report::{Failure, print};
 use clap::{Args, ValueEnum};
 use illuminator::bytecode::FormulaCode;
-use illuminator::evaluate::inspect::Inspector;
+use illuminator::engine::Subject;
+use illuminator::evaluate::inspect::{Inspector, PassColours};
 use illuminator::jit::CompiledFormula;
 use illuminator::lang::ast::{ExprId, ExprKind, FormulaFile};
+use illuminator::lang::diagnostic::Diagnostic;
 use illuminator::lang::surface_terms::SurfaceTerm;
 use illuminator::lang::{parser, printer};
+use illuminator::trace::MAX_PASSES;
 use illuminator::workspace::project::Project;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -29,6 +32,10 @@ pub(super) struct Options {
     /// Pixel, counted from the top left: its rays with `--stage rays`, its program too with `--stage bytecode`
     #[arg(long, value_name = "X,Y", value_parser = pixel, required_if_eq("stage", "rays"))]
     pixel: Option<[u32; 2]>,
+    /// Pass whose rays `--stage rays` shows, counted from 0 [default: the colours of all passes, and the rays of the
+    /// first]
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(..i64::from(MAX_PASSES)))]
+    pass: Option<u32>,
     /// Folder for the columns of `--stage hits`
     #[arg(long = "output", short, value_name = "DIR", required_if_eq("stage", "hits"))]
     output: Option<PathBuf>,
@@ -59,9 +66,7 @@ fn pixel(text: &str) -> Result<[u32; 2], String> {
 
 /// Shows a stage.
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
-    if options.output.is_some() && options.stage != Stage::Hits {
-        return Err(Failure::command_line("`--output` goes with `--stage hits`; the other stages are printed"));
-    }
+    check_options(options)?;
     let input = load(&options.input, &options.passes)?;
     let listing = || CompiledFormula::listing(&input.subject.formula).map_err(|error| Failure::input(error.to_string()));
     match options.stage {
@@ -72,9 +77,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         Stage::Rays => {
             // Without the option the parser of arguments has ended the program.
             let pixel = options.pixel.ok_or_else(|| Failure::command_line("`--stage rays` needs `--pixel X,Y`"))?;
-            let inspector = Inspector::new(&input.subject.formula, &input.subject.world, input.values.numbers());
-            let inspection = inspector.inspect(&input.subject.view, pixel).ok_or_else(|| outside(&input, pixel))?;
-            print(&inspector.text(&inspection))
+            print(&engine::on_threads(&options.input.machine, || rays(&input, pixel, options.pass))??)
         }
         Stage::Hits => {
             // Without the option the parser of arguments has ended the program.
@@ -82,6 +85,47 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
             hits::dump(&input, &options.input.machine, folder)
         }
     }
+}
+
+/// Refuses options that do not go with the stage.
+fn check_options(options: &Options) -> Result<(), Failure> {
+    let refuse = |message: &str| Err(Failure::command_line(message));
+    match options.stage {
+        stage if options.output.is_some() && stage != Stage::Hits => {
+            refuse("`--output` goes with `--stage hits`; the other stages are printed")
+        }
+        stage if options.pass.is_some() && stage != Stage::Rays => {
+            refuse("`--pass` goes with `--stage rays`; `--stage hits` has all passes")
+        }
+        Stage::Ast | Stage::Bytecode | Stage::Clif | Stage::Asm if options.passes.samples.is_some() => {
+            refuse("`--samples` goes with `--stage rays` and `--stage hits`; the other stages have no passes")
+        }
+        Stage::Ast | Stage::Bytecode | Stage::Clif | Stage::Asm | Stage::Rays | Stage::Hits => Ok(()),
+    }
+}
+
+/// The rays of a pixel in a pass. Without one, the colours of all passes if there are several, and the rays of the
+/// first.
+fn rays(input: &Project, pixel: [u32; 2], pass: Option<u32>) -> Result<String, Failure> {
+    let Subject { formula, world, view } = &input.subject;
+    let passes = input.picture.passes();
+    if let Some(pass) = pass.filter(|pass| *pass >= passes) {
+        let there_are = if passes == 1 { "is one pass".to_owned() } else { format!("are {passes} passes") };
+        let error = Diagnostic::error(format!("--pass {pass}: there {there_are}, counted from 0"));
+        return Err(Failure::CommandLine(error.help(format!("`--samples {}` makes it one of them", pass + 1))));
+    }
+    let inspector = Inspector::new(formula, world, input.values.numbers());
+    let view = view.with_pass(pass.unwrap_or(0));
+    let inspection = inspector.inspect(&view, pixel).ok_or_else(|| outside(input, pixel))?;
+    if passes == 1 {
+        return Ok(inspector.text(&inspection));
+    }
+    let rays = inspector.text_of_pass(&inspection);
+    if pass.is_some() {
+        return Ok(rays);
+    }
+    let colours = PassColours { colours: inspector.pass_colours(&view, pixel, 0..passes) };
+    Ok(format!("{}\n{rays}", colours.text(pixel)))
 }
 
 /// The declarations as text, then the macros and the result as trees with a line for each expression.

@@ -50,6 +50,15 @@ impl Frame {
     }
 }
 
+/// The mean of colours, rounded as the mean of pictures is. Black if there are none.
+pub fn mean_colour(colours: &[[f32; 3]]) -> [f32; 3] {
+    let sum = colours.iter().copied().reduce(|sum, colour| std::array::from_fn(|at| sum[at] + colour[at]));
+    match (sum, colours.len()) {
+        (Some(sum), 2..) => sum.map(|component| component * (1.0 / colours.len() as f32)),
+        (sum, _) => sum.unwrap_or_default(),
+    }
+}
+
 /// What a colour has beside a part of it: the difference, or 0 if that is not finite.
 pub(crate) fn rest_of(whole: [f32; 3], part: [f32; 3]) -> [f32; 3] {
     let rest: [f32; 3] = std::array::from_fn(|component| whole[component] - part[component]);
@@ -59,6 +68,18 @@ pub(crate) fn rest_of(whole: [f32; 3], part: [f32; 3]) -> [f32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_mean_of_colours_is_that_of_pictures() {
+        let colours = [[0.1, 0.7, f32::INFINITY], [0.2, 1e-8, 1.0], [0.3, -0.4, 3.0]];
+        let frame = |colour: [f32; 3]| Frame { width: 1, height: 1, linear: vec![colour] };
+        let mut sum = frame(colours[0]);
+        colours[1..].iter().for_each(|colour| sum.add(&frame(*colour)));
+        sum.scale(1.0 / 3.0);
+        assert_eq!(sum.linear[0], mean_colour(&colours));
+        assert_eq!((mean_colour(&[]), mean_colour(&colours[..1])), ([0.0; 3], colours[0]));
+        assert!(mean_colour(&[[f32::NAN; 3], [1.0; 3]]).iter().all(|component| component.is_nan()));
+    }
 
     #[test]
     fn nan_becomes_zero_by_component_and_is_counted_by_pixel() {

@@ -65,6 +65,11 @@ impl LightSample {
         Self::whole(direction, distance)
     }
 
+    /// The point of the light, seen from the hit at `from`; `None` if it is infinitely far away.
+    pub fn point(&self, from: DVec3) -> Option<DVec3> {
+        (self.distance < INFINITELY_FAR).then(|| from + self.distance * self.direction)
+    }
+
     /// Whether anything is sent towards the hit.
     #[inline]
     pub fn is_lit(&self) -> bool {

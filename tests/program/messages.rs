@@ -37,6 +37,10 @@ fn command_lines() {
             "dump session.toml --stage bytecode --pixel 99,1",
             "dump session.toml --stage rays",
             "dump session.toml --stage rays --pixel 5,24",
+            "dump session.toml --stage rays --pixel 5,2 --pass 1",
+            "dump session.toml --stage rays --pixel 5,2 --samples 4 --pass 4",
+            "dump session.toml --stage hits --pass 1 -o hits",
+            "dump session.toml --stage asm --samples 4",
             "check",
         ],
     );

@@ -3,7 +3,7 @@
 use illuminator::backends::interpreter::Interpreted;
 use illuminator::backends::verify::TOLERANCE;
 use illuminator::evaluate::Evaluator;
-use illuminator::evaluate::inspect::{End, Inspector, Visibility};
+use illuminator::evaluate::inspect::{End, Inspector, PassColours, Visibility};
 use illuminator::files::Readable;
 use illuminator::formula::Formula;
 use illuminator::lang::source::Source;
@@ -62,6 +62,33 @@ fn every_preset_adds_up_to_the_interpreters_pixel() {
                     }
                 }
             }
+        }
+    }
+}
+
+#[test]
+fn passes_and_their_mean_are_those_of_the_interpreter() {
+    let scene = "bodies; ball: sphere, center <0,1,0>, radius 1; floor: rectangle, <-9,0,-9>, <9,0,-9>, <9,0,9>, opaque;
+        lights; lamp: sphere, center <2,4,3>, radius 0.7; cone: spot, <-3,4,3>, target <0,0,0>, angle 25, soft 20;
+        panel: rectangle, <-1,5,-1>, <1,5,-1>, <1,5,1>; sun: directional, <1,-2,-1>;
+        camera; position <0,2,6>; gaze <0,-0.25,-1>; up <0,1,0>; fov 40;";
+    let (scene, _) = Scene::parse(&Source::new("scene", scene)).expect("a scene");
+    let world = Arc::new(crate::world_of(scene.clone()));
+    // The first is proportional to the colour of the light, the second is not.
+    for formula in ["= IL*Cd*(0.7*max(0, N.L) + 0.3*max(0, R.V)^20);", "= sqrt(IL)*Cd*max(0, N.L);", "= IL*Cd*visible;"] {
+        let (formula, _) = Formula::parse(&Source::new("formula", format!("formula; {formula}"))).expect("a formula");
+        let (values, _) = Values::new(&formula, &scene, &[]);
+        let formula = Arc::new(formula);
+        let view = View::new(12, 8).and_then(|view| view.with_depth(3)).expect("within range");
+        let inspector = Inspector::new(&formula, &world, values.numbers());
+        let interpreted = Interpreted::new(&formula, &world, view).expect("small code").with_passes(5);
+        let mean = interpreted.frame(values.numbers());
+        let last = Interpreted::new(&formula, &world, view.with_pass(4)).expect("small code").frame(values.numbers());
+        assert!(mean != last);
+        for (index, (mean, last)) in mean.linear.iter().zip(&last.linear).enumerate() {
+            let pixel = [index as u32 % 12, index as u32 / 12];
+            let colours = PassColours { colours: inspector.pass_colours(&view, pixel, 0..5) };
+            assert_eq!((&colours.mean(), &colours.colours[4]), (mean, last), "{pixel:?}");
         }
     }
 }

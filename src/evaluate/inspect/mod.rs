@@ -4,10 +4,13 @@
 //! The inspector traces the pixel itself and needs no stored hits. It adds numbers up in the same order as the
 //! interpreter, so the total of a pixel is the same. The result is plain data ([`Inspection`]);
 //! [`text`](Inspector::text) writes it for a terminal. Nothing is kept.
+//!
+//! An inspection is of one pass. `passes` has the colours of a pixel in several passes, and their mean.
 
 mod figures;
 mod instance;
 mod nan;
+mod passes;
 mod report;
 #[cfg(test)]
 mod tests;
@@ -16,6 +19,7 @@ mod text;
 pub use figures::{Quantity, figures, vector_figures, weight_figures};
 pub use instance::{Instance, InstanceLine};
 pub use nan::NanOrigin;
+pub use passes::PassColours;
 pub use report::{Crossing, End, InspectedHit, InspectedLight, InspectedRay, Inspection, Onward, Visibility};
 pub use text::left_out;
 
@@ -30,14 +34,24 @@ use crate::scene::{BodyId, LightId};
 use crate::trace::{Child, CoordinatesUse, Edge, HitVariables, LightVariables, RayNode, Tracer, Tree, View, ray_tree, variable};
 use crate::world::{EmitterId, Ray, Side, World};
 use glam::DVec3;
+use std::sync::{Arc, OnceLock};
 
 /// A formula on a scene, with the values of its parameters.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug)]
 pub struct Inspector<'i> {
     formula: &'i Formula,
     world: &'i World,
     equation: Equation,
     parameters: &'i [f32],
+    /// The formula that backends evaluate, if it is not that of the user.
+    weighted: OnceLock<Option<Arc<Formula>>>,
+}
+
+/// The light for which a formula is evaluated, and what it sends as a factor of `IL`.
+#[derive(Clone, Copy)]
+struct InspectedSource {
+    light: LightId,
+    radiance: [f32; 3],
 }
 
 /// A ray whose end has not been visited yet.
@@ -60,10 +74,11 @@ impl<'i> Inspector<'i> {
     pub fn new(formula: &'i Formula, world: &'i World, parameters: &'i [f32]) -> Self {
         let equation = equation_in(formula, world);
         assert!(parameters.len() >= equation.layout.len(), "as many parameter numbers as the formula and the scene have");
-        Self { formula, world, equation, parameters }
+        Self { formula, world, equation, parameters, weighted: OnceLock::new() }
     }
 
-    /// Follows the rays of a pixel, given as column and row from the top left. `None` outside the picture.
+    /// Follows the rays of a pixel, given as column and row from the top left, in the pass of the view. `None` outside
+    /// the picture.
     pub fn inspect(&self, view: &View, pixel: [u32; 2]) -> Option<Inspection> {
         let [column, row] = pixel;
         if column >= view.width() || row >= view.height() {
@@ -78,15 +93,21 @@ impl<'i> Inspector<'i> {
             rays[index].total = self.brought(&rays, index);
         }
         let total = rays.first()?.total;
-        Some(Inspection { pixel, rays, total })
+        Some(Inspection { pixel, pass: view.pass(), rays, total })
     }
 
     /// The formula at a hit for a light with its numbers, whether the light reaches the hit or not. `None` if the scene
     /// has no such light.
     pub fn instance(&self, hit: &InspectedHit, light: LightId) -> Option<Instance> {
         let light = hit.lights.iter().find(|inspected| inspected.light == light)?;
-        let values = self.values(hit.body(), Some(light.light), &|symbol| variable(symbol, &hit.variables, &light.variables));
-        Some(Instance::new(self.formula, &values))
+        Some(Instance::new(self.formula, &self.values_at(hit, light)))
+    }
+
+    /// The values of all terms of the formula at a hit for a light.
+    fn values_at(&self, hit: &InspectedHit, light: &InspectedLight) -> Vec<[f32; 3]> {
+        let value = |symbol| variable(symbol, &hit.variables, &light.variables);
+        let source = InspectedSource { light: light.light, radiance: light.sample.radiance };
+        self.values(self.formula, hit.body(), Some(source), &value)
     }
 
     /// All rays with what is found at their ends, but without the light of their children.
@@ -200,12 +221,25 @@ impl<'i> Inspector<'i> {
         };
         let evaluated = node.lights.iter().any(|light| light.emitter == emitter);
         let variables = LightVariables::new(surface, &sample, tracer.is_visible(emitter, surface, key));
-        let values = self.values(surface.body, Some(light), &|symbol| variable(symbol, hit, &variables));
-        let local = values[self.formula.result.0 as usize];
+        let of = |formula: &Formula, radiance: [f32; 3]| {
+            let source = InspectedSource { light, radiance };
+            self.values(formula, surface.body, Some(source), &|symbol| variable(symbol, hit, &variables))
+                [formula.result.0 as usize]
+        };
+        let local = of(self.formula, sample.radiance);
+        // This formula reads radiance and weight itself. It rounds as backends do.
+        let added = self.weighted().map_or(local, |formula| of(formula, [1.0; 3]));
         let intensity = self.equation.light_weight(self.parameters, light.index());
-        let contribution = if evaluated { weighed(intensity, local) } else { [0.0; 3] };
+        let contribution = if evaluated { weighed(intensity, added) } else { [0.0; 3] };
         let angle = degrees(surface.shading_normal.dot(sample.direction));
-        InspectedLight { light, visibility, evaluated, angle, variables, intensity, local, contribution }
+        InspectedLight { light, visibility, evaluated, angle, sample, variables, intensity, local, contribution }
+    }
+
+    /// The formula that backends evaluate in this world, if it is not that of the user: see
+    /// [`evaluated_formula`](crate::evaluate::evaluated_formula).
+    fn weighted(&self) -> Option<&Formula> {
+        let weighted = || (!self.world.has_whole_samples()).then(|| self.formula.for_weighted_samples());
+        self.weighted.get_or_init(weighted).as_deref()
     }
 
     /// Equation (2) at the end of a ray whose children's totals are known.
@@ -223,27 +257,38 @@ impl<'i> Inspector<'i> {
         if self.formula.surface.is_empty() {
             return Vec::new();
         }
-        let values = self.values(body, None, &|symbol| hit.value(symbol).unwrap_or_default());
+        let values = self.values(self.formula, body, None, &|symbol| hit.value(symbol).unwrap_or_default());
         self.formula.surface.iter().map(|(term, id)| (term, values[id.0 as usize])).collect()
     }
 
-    /// The values of all terms of the formula at a hit for a light, by the reference meaning. Scalars are repeated
-    /// three times. Without a light, what reads one has no meaning.
-    fn values(&self, body: BodyId, light: Option<LightId>, value: &dyn Fn(Variable) -> [f32; 3]) -> Vec<[f32; 3]> {
-        let mut values: Vec<[f32; 3]> = Vec::with_capacity(self.formula.terms.len());
+    /// The values of all terms of a formula at a hit for a light, by the reference meaning. Scalars are repeated three
+    /// times. Without a light, what reads one has no meaning.
+    fn values(
+        &self,
+        formula: &Formula,
+        body: BodyId,
+        source: Option<InspectedSource>,
+        value: &dyn Fn(Variable) -> [f32; 3],
+    ) -> Vec<[f32; 3]> {
+        let colour_of_light = formula.predefined(Predefined::LightColour);
+        let mut values: Vec<[f32; 3]> = Vec::with_capacity(formula.terms.len());
         let mut stack = Stack::new(16, 0.0);
         let mut operands_at_hand = Vec::new();
-        for term in &self.formula.terms {
+        for term in &formula.terms {
             values.push(match term {
                 Term::Number(value) => [flush(*value); 3],
                 Term::Variable(symbol) => value(*symbol).map(flush),
                 Term::Parameter(id) => {
-                    let owner = match self.formula.parameter(*id).owner {
+                    let owner = match formula.parameter(*id).owner {
                         Owner::Global => Some(0),
                         Owner::Body => Some(body.index()),
-                        Owner::Light => light.map(LightId::index),
+                        Owner::Light => source.map(|source| source.light.index()),
                     };
-                    owner.map_or([0.0; 3], |owner| self.parameter(*id, owner))
+                    let own = owner.map_or([0.0; 3], |owner| self.parameter(*id, owner));
+                    match source.filter(|_| *id == colour_of_light) {
+                        Some(source) => std::array::from_fn(|at| Floats.mul(own[at], flush(source.radiance[at]))),
+                        None => own,
+                    }
                 }
                 Term::Apply(operation, operands) => {
                     operands_at_hand.clear();

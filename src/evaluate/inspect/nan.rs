@@ -6,7 +6,6 @@ use crate::evaluate::inspect::report::{End, InspectedHit, InspectedLight, Inspec
 use crate::formula::{Formula, Term, TermId};
 use crate::lang::builtins::Form;
 use crate::scene::{BodyId, LightId};
-use crate::trace::variable;
 
 /// Where NaN comes from in a pixel.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -40,7 +39,7 @@ impl Inspector<'_> {
 
     fn origin_at(&self, hit: &InspectedHit, light: &InspectedLight) -> NanOrigin {
         let formula = self.formula;
-        let values = self.values(hit.body(), Some(light.light), &|symbol| variable(symbol, &hit.variables, &light.variables));
+        let values = self.values_at(hit, light);
         let mut id = formula.result;
         // Operands have smaller numbers than their users, so this ends.
         while let Some(next) = nan_operand(formula, id, &values) {

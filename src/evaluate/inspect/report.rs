@@ -2,13 +2,15 @@
 
 use crate::scene::{BodyId, LightId};
 use crate::trace::{Edge, HitVariables, LightVariables};
-use crate::world::{Ray, SurfaceHit};
+use crate::world::{LightSample, Ray, SurfaceHit};
 
-/// How the colour of one pixel is made up.
+/// How the colour of one pixel is made up in one pass.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inspection {
     /// The pixel: column and row, from the top left.
     pub pixel: [u32; 2],
+    /// The pass, counted from 0.
+    pub pass: u32,
     /// Its rays, parents before children and the reflected child's whole tree before the refracted; the primary ray is
     /// the first.
     pub rays: Vec<InspectedRay>,
@@ -130,13 +132,18 @@ pub struct InspectedLight {
     pub evaluated: bool,
     /// The angle between the normal and the direction to the light in degrees, 0..180.
     pub angle: f64,
+    /// Where the light comes from, and what it sends. Lights of many points or directions have another sample in each
+    /// pass.
+    pub sample: LightSample,
     /// The variables that formulas read here for this light, such as its distance.
     pub variables: LightVariables,
     /// ki, its intensity, 0..1.
     pub intensity: f32,
-    /// The value of the formula for it, linear RGB, even if that is not added.
+    /// The value of the formula for it, with `IL` times the radiance of the sample, linear RGB, even if that is not
+    /// added.
     pub local: [f32; 3],
-    /// ki·local, linear RGB; 0 if the formula is not evaluated for the light or ki is 0.
+    /// ki·weight·local with the weight of the sample, linear RGB; 0 if the formula is not evaluated for the light or ki
+    /// is 0.
     pub contribution: [f32; 3],
 }
 

@@ -91,6 +91,118 @@ fn lamberts_law_in_the_middle_of_a_sphere() {
     assert_eq!(bench.inspector().instance(hit, LightId(1)), None);
 }
 
+/// A spot at (0, 3, 5) whose axis is turned by this many degrees from the direction to the hit at (0, 0, 1).
+fn turned_spot(degrees: f64) -> String {
+    let (sine, cosine) = degrees.to_radians().sin_cos();
+    let [y, z] = [-0.6 * cosine + 0.8 * sine, -0.6 * sine - 0.8 * cosine];
+    format!(
+        "bodies; ball: sphere, center <0,0,0>, radius 1, opaque, matte;
+         lights; key: spot, <0,3,5>, target <0, {}, {}>, angle 20, soft 10; {PREFETCH_DISTANCE}",
+        3.0 + y,
+        5.0 + z
+    )
+}
+
+#[test]
+fn what_a_light_sends_is_a_factor_of_its_colour() {
+    // Half of the way from the edge of the cone to where it is soft: the smooth step is 1/2 there.
+    let scene = turned_spot(15.0);
+    let settings = ["ball.Cd=<0.9, 0.2, 0.1>", "key.ki=0.5", "ka=0"];
+    let bench = Bench::new(LAMBERT, &scene, &settings);
+    let inspection = bench.inspect();
+    let hit = inspection.hit(0).expect("a hit");
+    let light = &hit.lights[0];
+    assert_eq!(light.visibility, Visibility::Lit);
+    alike(light.sample.radiance, [0.5; 3]);
+    assert_eq!(light.sample.weight, 1.0);
+    let point = light.sample.point(hit.surface.point).expect("a point");
+    assert!(point.abs_diff_eq([0.0, 3.0, 5.0].into(), 1e-9), "{point}");
+    alike(light.local, [0.18, 0.04, 0.02]);
+    alike(light.contribution, [0.09, 0.02, 0.01]);
+    let text = bench.inspector().text(&inspection);
+    let lines = "    sample: direction <0, 0.6, 0.8>, point <0, 3, 5>, radiance <0.5, 0.5, 0.5>
+    DIFFUSE = kd*IL*Cd*max(0, N.L) = 0.5*<0.5, 0.5, 0.5>*<0.9, 0.2, 0.1>*max(0, 0.8) = <0.18, 0.04, 0.02>
+    local = DIFFUSE = <0.18, 0.04, 0.02>
+    ki*local = 0.5*<0.18, 0.04, 0.02> = <0.09, 0.02, 0.01>
+";
+    assert!(text.contains(lines), "{text}");
+    // A formula that is not proportional to the colour of the light.
+    let bench = Bench::new("formula; = IL*IL*Cd;", &scene, &settings);
+    let inspection = bench.inspect();
+    let light = &inspection.hit(0).expect("a hit").lights[0];
+    alike(light.local, [0.225, 0.05, 0.025]);
+    alike(light.contribution, [0.1125, 0.025, 0.0125]);
+    alike(inspection.total, light.contribution);
+}
+
+#[test]
+fn a_direction_of_the_environment_counts_its_share_of_all() {
+    // A white environment is drawn evenly from 4π, and a matte surface under all of it has its own colour: the share of
+    // a direction is 4π/π.
+    let scene =
+        format!("bodies; ball: sphere, center <0,0,0>, radius 1, opaque, matte; lights; sky: environment; {PREFETCH_DISTANCE}");
+    let bench = Bench::new(LAMBERT, &scene, &["ball.Cd=<0.9, 0.2, 0.1>", "sky.ki=0.5", "ka=0"]);
+    let view = bench.view;
+    let inspections = (0..64).filter_map(|pass| bench.inspector().inspect(&view.with_pass(pass), [0, 0]));
+    let is_lit = |inspection: &Inspection| inspection.hit(0).is_some_and(|hit| hit.lights[0].visibility == Visibility::Lit);
+    let inspection = inspections.into_iter().find(is_lit).expect("a pass in which the direction is in front of the ball");
+    let hit = inspection.hit(0).expect("a hit");
+    let light = &hit.lights[0];
+    assert_eq!((light.sample.radiance, light.sample.point(hit.surface.point)), ([1.0; 3], None));
+    near(f64::from(light.sample.weight), 4.0);
+    let cosine = hit.surface.shading_normal.dot(light.sample.direction) as f32;
+    alike(light.local, [0.45, 0.1, 0.05].map(|colour: f32| colour * cosine));
+    alike(light.contribution, [0.9, 0.2, 0.1].map(|colour: f32| colour * cosine));
+    let text = bench.inspector().text(&inspection);
+    let line = format!("    ki*weight*local = 0.5*4*{}", vector_figures(light.local.map(f64::from)));
+    assert!(text.contains(&line) && text.contains(", weight 4\n"), "{text}");
+}
+
+#[test]
+fn a_spot_sends_nothing_outside_of_its_cone() {
+    let bench = Bench::new(LAMBERT, &turned_spot(21.0), &["ka=0"]);
+    let inspection = bench.inspect();
+    let light = &inspection.hit(0).expect("a hit").lights[0];
+    assert_eq!((&light.visibility, light.evaluated, light.contribution), (&Visibility::Dark, false, [0.0; 3]));
+    let text = bench.inspector().text(&inspection);
+    assert!(text.contains("  light `key`: sends nothing here, 36.87° from the normal, distance 5\n  ambient"), "{text}");
+}
+
+#[test]
+fn each_pass_has_a_sample_of_its_own_and_the_mean_is_that_of_all() {
+    let scene = format!(
+        "bodies; ball: sphere, center <0,0,0>, radius 1, opaque, matte;
+         lights; lamp: sphere, center <0,3,5>, radius 0.5; sun: directional, <0,0,-1>; {PREFETCH_DISTANCE}"
+    );
+    let bench = Bench::new(LAMBERT, &scene, &["ka=0", "sun.ki=0.25"]);
+    let inspector = bench.inspector();
+    let colours = inspector.pass_colours(&bench.view, [0, 0], 0..64);
+    let mut points = Vec::new();
+    for (pass, colour) in colours.iter().enumerate() {
+        let inspection = inspector.inspect(&bench.view.with_pass(pass as u32), [0, 0]).expect("the pixel");
+        assert_eq!((inspection.pass, inspection.total), (pass as u32, *colour));
+        // The ball is smaller than the pixel.
+        let Some(hit) = inspection.hit(0) else { continue };
+        let [lamp, sun] = hit.lights.as_slice() else { panic!("{:?}", hit.lights) };
+        let point = lamp.sample.point(hit.surface.point).expect("a point");
+        near(point.distance([0.0, 3.0, 5.0].into()), 0.5);
+        points.push(point);
+        assert_eq!((sun.sample.point(hit.surface.point), sun.sample.direction), (None, [0.0, 0.0, 1.0].into()));
+        let text = inspector.text_of_pass(&inspection);
+        assert!(text.starts_with(&format!("pixel (0, 0) in pass {pass}: <")), "{text}");
+        assert!(text.contains("    sample: direction <0, 0, 1>\n"), "{text}");
+    }
+    points.sort_by(|one, other| one.x.total_cmp(&other.x));
+    assert!(points.len() > 16 && points.windows(2).all(|pair| pair[0] != pair[1]), "{points:?}");
+    let mean = PassColours { colours: colours.clone() }.mean();
+    let expected = [0, 1, 2].map(|at| (colours.iter().map(|colour| f64::from(colour[at])).sum::<f64>() / 64.0) as f32);
+    alike(mean, expected);
+    let text = PassColours { colours: colours[..2].to_vec() }.text([0, 0]);
+    let [one, other] = [colours[0], colours[1]].map(|colour| vector_figures(colour.map(f64::from)));
+    assert!(text.ends_with(&format!(">, the mean of 2 passes\n  pass 0: {one}\n  pass 1: {other}\n")), "{text}");
+    assert_eq!(inspector.pass_colours(&bench.view, [1, 0], 0..4), [[0.0; 3]; 0], "outside the picture");
+}
+
 #[test]
 fn lights_shine_are_hidden_turned_away_or_out() {
     let scene = format!(

@@ -4,12 +4,13 @@
 
 use crate::evaluate::inspect::figures::{figures, vector_figures, weight_figures};
 use crate::evaluate::inspect::{
-    Crossing, End, InspectedHit, InspectedLight, InspectedRay, Inspection, Inspector, InstanceLine, Onward, Visibility,
+    Crossing, End, InspectedHit, InspectedLight, InspectedRay, Inspection, Inspector, InstanceLine, Onward, PassColours,
+    Visibility,
 };
 use crate::formula::equation::weight_parameter;
 use crate::lang::surface_terms::SurfaceTerm;
 use crate::lang::variables::Predefined;
-use crate::scene::BodyId;
+use crate::scene::{BodyId, LightKind, Scene};
 use crate::trace::Edge;
 use crate::world::{INFINITELY_FAR, Side};
 use glam::DVec3;
@@ -51,13 +52,53 @@ pub fn left_out(calls: usize) -> Option<String> {
 }
 
 impl Inspector<'_> {
-    /// An inspection as text of many lines, its numbers rounded to four digits.
+    /// An inspection of a picture of one pass as text of many lines, its numbers rounded to four digits.
     pub fn text(&self, inspection: &Inspection) -> String {
+        self.text_under("", inspection)
+    }
+
+    /// An inspection of one of several passes of a picture as text, which says which pass it is.
+    pub fn text_of_pass(&self, inspection: &Inspection) -> String {
+        self.text_under(&format!(" in pass {}", inspection.pass), inspection)
+    }
+
+    fn text_under(&self, pass: &str, inspection: &Inspection) -> String {
         let mut writer = InspectionWriter { inspector: self, inspection, text: String::new(), depth: 0 };
         let [column, row] = inspection.pixel;
-        writer.line(&format!("pixel ({column}, {row}): {}", colour(inspection.total)));
+        writer.line(&format!("pixel ({column}, {row}){pass}: {}", colour(inspection.total)));
         inspection.rays.iter().filter(|ray| !ray.is_cut()).for_each(|ray| writer.ray(ray));
         writer.text
+    }
+}
+
+impl PassColours {
+    /// The mean, and a line with the colour of each pass, of this pixel.
+    pub fn text(&self, [column, row]: [u32; 2]) -> String {
+        let (count, mean) = (self.colours.len(), colour(self.mean()));
+        let head = format!("pixel ({column}, {row}): {mean}, the mean of {count} passes\n");
+        let lines = self.colours.iter().enumerate().map(|(pass, own)| format!("  pass {pass}: {}\n", colour(*own)));
+        std::iter::once(head).chain(lines).collect()
+    }
+}
+
+impl InspectedLight {
+    /// The sample of a light that is more than a point: its direction, its point if it is not infinitely far away, its
+    /// radiance and its weight if they are not 1.
+    pub fn sample_text(&self, scene: &Scene, hit: &InspectedHit) -> Option<String> {
+        if matches!(scene.light(self.light).kind, LightKind::Point(_)) {
+            return None;
+        }
+        let mut text = format!("sample: direction {}", vector(self.sample.direction));
+        if let Some(point) = self.sample.point(hit.surface.point) {
+            text.push_str(&format!(", point {}", vector(point)));
+        }
+        if self.sample.radiance != [1.0; 3] {
+            text.push_str(&format!(", radiance {}", colour(self.sample.radiance)));
+        }
+        if self.sample.weight != 1.0 {
+            text.push_str(&format!(", weight {}", scalar(self.sample.weight)));
+        }
+        Some(text)
     }
 }
 
@@ -161,11 +202,18 @@ impl InspectionWriter<'_> {
             return;
         }
         self.depth += 1;
+        if let Some(line) = light.sample_text(scene, hit) {
+            self.line(&line);
+        }
         for line in self.inspector.instance(hit, light.light).into_iter().flat_map(|instance| instance.lines) {
             self.instance_line(line);
         }
-        let product = format!("{}*{}", scalar(light.intensity), colour(light.local));
-        self.equal("ki*local", vec![product, colour(light.contribution)]);
+        let (intensity, local) = (scalar(light.intensity), colour(light.local));
+        let (name, product) = match light.sample.weight {
+            1.0 => ("ki*local", format!("{intensity}*{local}")),
+            weight => ("ki*weight*local", format!("{intensity}*{}*{local}", scalar(weight))),
+        };
+        self.equal(name, vec![product, colour(light.contribution)]);
         self.depth -= 1;
     }
 
