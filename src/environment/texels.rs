@@ -13,33 +13,60 @@ pub(super) struct Texels {
     numbers: Vec<[CompactNumber; 3]>,
 }
 
-/// How many texels could not be kept as they were.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+/// What could not be kept as it was.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct MapRepairs {
     /// Texels with a component that is not a number. It became 0.
     pub not_numbers: u64,
-    /// Texels with a component below 0. It became 0.
-    pub negative: u64,
     /// Texels with a component that is infinite or too large. It became the largest number of a map, about 8.6·10⁹.
     pub too_bright: u64,
+    /// Texels with a component below 0. It became 0.
+    pub negative: u64,
+    /// What these components sum up to, as a part of the sum of all others. Many images have
+    /// small ones, by compression with loss and by filters that sharpen.
+    pub negative_part: f64,
 }
 
-impl MapRepairs {
-    fn of(texel: [f32; 3]) -> Self {
+/// What is found in a row, or in several.
+#[derive(Debug, Clone, Copy, Default)]
+struct RowFindings {
+    not_numbers: u64,
+    too_bright: u64,
+    negative: u64,
+    below: f64,
+    above: f64,
+}
+
+impl RowFindings {
+    fn add(&mut self, texel: [f32; 3]) {
         let has = |is_wrong: fn(f32) -> bool| u64::from(texel.into_iter().any(is_wrong));
-        Self {
-            not_numbers: has(f32::is_nan),
-            negative: has(|component| component < 0.0),
-            too_bright: has(|component| component > CompactNumber::MAX),
+        self.not_numbers += has(f32::is_nan);
+        self.too_bright += has(|component| component > CompactNumber::MAX);
+        self.negative += has(|component| component < 0.0);
+        for component in texel {
+            // What is too large would hide all others, and NaN is neither above nor below.
+            if (0.0..=CompactNumber::MAX).contains(&component) {
+                self.above += f64::from(component);
+            } else if (-CompactNumber::MAX..0.0).contains(&component) {
+                self.below -= f64::from(component);
+            }
         }
     }
 
     fn plus(self, other: Self) -> Self {
         Self {
             not_numbers: self.not_numbers + other.not_numbers,
-            negative: self.negative + other.negative,
             too_bright: self.too_bright + other.too_bright,
+            negative: self.negative + other.negative,
+            below: self.below + other.below,
+            above: self.above + other.above,
         }
+    }
+
+    fn repairs(self) -> MapRepairs {
+        let Self { not_numbers, too_bright, negative, below, above } = self;
+        let negative_part = if below > 0.0 { below / above } else { 0.0 };
+        MapRepairs { not_numbers, too_bright, negative, negative_part }
     }
 }
 
@@ -54,16 +81,18 @@ impl Texels {
         let mut numbers = vec![[CompactNumber::default(); 3]; width * height];
         let write = |given: &mut Vec<[f32; 3]>, (index, texels): (usize, &mut [[CompactNumber; 3]])| {
             row(index as u32, given);
-            let mut repairs = MapRepairs::default();
+            let mut findings = RowFindings::default();
             for (texel, given) in texels.iter_mut().zip(given) {
-                repairs = repairs.plus(MapRepairs::of(*given));
+                findings.add(*given);
                 *texel = given.map(CompactNumber::nearest);
             }
-            repairs
+            findings
         };
         let rows = numbers.par_chunks_mut(width).enumerate().map_init(|| vec![[0.0; 3]; width], write);
-        let repairs = rows.reduce(MapRepairs::default, MapRepairs::plus);
-        (Self { width, height, numbers }, repairs)
+        // In the order of the rows, whatever the number of threads.
+        let rows: Vec<RowFindings> = rows.collect();
+        let findings = rows.into_iter().fold(RowFindings::default(), RowFindings::plus);
+        (Self { width, height, numbers }, findings.repairs())
     }
 
     /// The bytes that they take.

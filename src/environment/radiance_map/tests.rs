@@ -239,7 +239,10 @@ fn black_has_no_samples() {
 fn texels_that_are_no_radiance_are_counted() {
     let given = [[f32::NAN, -1.0, 2.0], [-0.5, -0.5, 1.0], [f32::INFINITY, 0.0, 0.0], [1e20, 0.0, 0.0], [1.0, 2.0, 3.0]];
     let (map, repairs) = RadianceMap::of_rows(5, 1, |_, texels| texels.copy_from_slice(&given)).expect("a size");
-    assert_eq!(repairs, MapRepairs { not_numbers: 1, negative: 2, too_bright: 2 });
+    let MapRepairs { not_numbers, too_bright, negative, negative_part } = repairs;
+    assert_eq!((not_numbers, too_bright, negative), (1, 2, 2));
+    // Below 0 are −1 and twice −0.5, above 2, 1, 1, 2 and 3. What is too large does not count.
+    assert!((negative_part - 2.0 / 9.0).abs() < 1e-12, "{negative_part}");
     let texel = |column: f64| map.radiance(direction((column + 0.5) / 5.0, [1.0, 0.0]));
     assert_eq!((texel(0.0)[0], texel(0.0)[1]), (0.0, 0.0));
     assert!((texel(2.0)[0] / 8.585_741e9 - 1.0).abs() < 1e-3 && map.sample([0.5, 0.5]).is_some());

@@ -20,6 +20,10 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// The share of decoding in the whole work on an image. The rest is its map.
 const DECODING: f64 = 0.8;
 
+/// Which part of the light components below 0 may be without a warning. Many images have small ones, by compression with
+/// loss and by filters that sharpen.
+const NEGATIVE: f64 = 0.01;
+
 /// Maps that were read.
 #[derive(Debug, Default)]
 pub(super) struct KeptMaps {
@@ -199,7 +203,8 @@ fn map_of<const COMPONENTS: usize>([width, height]: [u32; 2], numbers: &[f32]) -
 
 /// What was replaced in an image, and what is odd about it.
 fn warnings(map: &RadianceMap, repairs: MapRepairs) -> impl Iterator<Item = Diagnostic> {
-    let MapRepairs { not_numbers, negative, too_bright } = repairs;
+    let MapRepairs { not_numbers, too_bright, negative, negative_part } = repairs;
+    let negative = if negative_part > NEGATIVE { negative } else { 0 };
     let counted = |count: u64, what: &str, used: &str| {
         let texels = if count == 1 { "1 texel has".to_owned() } else { format!("{count} texels have") };
         (count > 0).then(|| format!("{texels} {what}; {used} is used"))
@@ -210,7 +215,7 @@ fn warnings(map: &RadianceMap, repairs: MapRepairs) -> impl Iterator<Item = Diag
     let black = map.sample([0.5; 2]).is_none().then(|| "the image is black: it sends no light".to_owned());
     let found = [
         counted(not_numbers, "components that are not numbers", "0"),
-        counted(negative, "components below 0", "0"),
+        counted(negative, &format!("components below 0, {:.1} % of the light", 100.0 * negative_part), "0"),
         counted(too_bright, "components that are infinite or too large", "8.6e9"),
         stretched,
         black,

@@ -172,7 +172,7 @@ fn what_is_odd_about_an_image_is_a_warning() {
     test.scene:2:19: warning: 1 texel has components that are not numbers; 0 is used
         sky: environment, "odd.exr";
                           ^^^^^^^^^ in this environment
-    test.scene:2:19: warning: 2 texels have components below 0; 0 is used
+    test.scene:2:19: warning: 2 texels have components below 0, 3.9 % of the light; 0 is used
         sky: environment, "odd.exr";
                           ^^^^^^^^^ in this environment
     test.scene:2:19: warning: 1 texel has components that are infinite or too large; 8.6e9 is used
@@ -182,6 +182,11 @@ fn what_is_odd_about_an_image_is_a_warning() {
         sky: environment, "odd.exr";
                           ^^^^^^^^^ in this environment
     "#);
+    // A little below 0 is usual.
+    let mut little = Rgb32FImage::from_pixel(4, 2, Rgb([1.0; 3]));
+    little.put_pixel(1, 1, Rgb([-0.1, 0.0, 1.0]));
+    little.save(folder.path().join("little.exr")).unwrap();
+    assert_eq!(said_of("environment, \"little.exr\"", folder.path()), "");
     assert!(said_of("environment, \"black.exr\"", folder.path()).contains("the image is black: it sends no light"));
 }
 
