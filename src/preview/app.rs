@@ -223,7 +223,7 @@ impl App {
             asset_loading: AssetLoading::default(),
             dropped: DroppedFiles::default(),
             settings_dialog: SettingsDialog::default(),
-            inspector: InspectorPanel::default(),
+            inspector: InspectorPanel::of_passes(1),
             materials: MaterialRow::default(),
             drafts_written_at: 0.0,
             theme: Theme::Dark,

@@ -1,7 +1,8 @@
-//! The pixel inspector: the ray tree of a pixel, what each ray adds, and the formula with its numbers.
+//! The pixel inspector: the ray tree of a pixel, what each ray adds, and the formula with its numbers. If the picture is
+//! the mean of several passes, it shows the colours of all of them, or the rays of one.
 
 use crate::evaluate::inspect::{
-    End, InspectedHit, InspectedLight, Inspection, Inspector, InstanceLine, Onward, Visibility, figures, left_out,
+    End, InspectedHit, InspectedLight, Inspection, Inspector, InstanceLine, Onward, PassColours, Visibility, figures, left_out,
     vector_figures, weight_figures,
 };
 use crate::preview::app::colours::{paint_swatch, shown_colour};
@@ -12,24 +13,84 @@ use crate::scene::BodyId;
 use crate::trace::Edge;
 use crate::user_data::settings::{PanelSide, PanelSizes};
 use egui::{
-    Align, CollapsingHeader, Color32, Id, Label, Layout, Panel, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, vec2,
+    Align, CollapsingHeader, Color32, DragValue, Id, Label, Layout, Panel, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind,
+    Ui, vec2,
 };
+use std::time::{Duration, Instant};
 
 /// The inspector.
 #[derive(Default)]
 pub(super) struct InspectorPanel {
     /// Whether the inspector is open.
     pub(super) open: bool,
-    /// The inspected pixel, and the stamp of its values.
-    inspection: Option<(Inspection, u64)>,
+    /// How many passes the picture in view is the mean of; 0 counts as 1.
+    passes: u32,
+    /// The pass whose rays are shown; `None`: the mean. With one pass, its rays are shown.
+    shown_pass: Option<u32>,
+    inspected: Option<InspectedPixel>,
+}
+
+/// The inspected pixel.
+struct InspectedPixel {
+    /// The stamp of its values.
+    stamp: u64,
+    /// Its rays in the shown pass; in the first one if the mean is shown.
+    inspection: Inspection,
+    /// Its colours in the passes from the first one on, as far as they are known.
+    colours: PassColours,
 }
 
 impl InspectorPanel {
+    /// The inspector of a picture of this many passes.
+    pub(super) fn of_passes(passes: u32) -> Self {
+        let mut inspector = Self::default();
+        inspector.set_passes(passes);
+        inspector
+    }
+
+    /// Sets how many passes the picture in view is the mean of.
+    pub(super) fn set_passes(&mut self, passes: u32) {
+        self.passes = passes;
+        let last = self.passes().saturating_sub(1);
+        self.shown_pass = self.shown_pass.map(|pass| pass.min(last));
+    }
+
+    fn passes(&self) -> u32 {
+        self.passes.max(1)
+    }
+
+    /// Whether the colours of all passes are shown, not the rays of one.
+    fn shows_mean(&self) -> bool {
+        self.passes() > 1 && self.shown_pass.is_none()
+    }
+
     /// Inspects a pixel.
     pub(super) fn inspect(&mut self, workshop: &Workshop, pixel: [u32; 2]) {
         let Ok(view) = workshop.view() else { return };
-        let inspector = Inspector::new(workshop.formula(), workshop.world(), workshop.values().numbers());
-        self.inspection = inspector.inspect(&view, pixel).map(|inspection| (inspection, workshop.stamp()));
+        let (stamp, pass) = (workshop.stamp(), self.shown_pass.unwrap_or(0));
+        let inspection = inspector_of(workshop).inspect(&view.with_pass(pass), pixel);
+        let known = self.inspected.take().filter(|before| before.stamp == stamp && before.inspection.pixel == pixel);
+        self.inspected = inspection.map(|inspection| {
+            let colours = known.map(|known| known.colours).unwrap_or_default();
+            InspectedPixel { stamp, inspection, colours }
+        });
+    }
+
+    /// Finds out more colours of the passes, for a short time. They are found on this thread, because the others may be
+    /// tracing. Returns whether all are known.
+    fn find_colours(&mut self, workshop: &Workshop) -> bool {
+        /// A frame may take this much longer.
+        const LONGEST: Duration = Duration::from_millis(4);
+        let (passes, start) = (self.passes() as usize, Instant::now());
+        let (Some(pixel), Ok(view)) = (&mut self.inspected, workshop.view()) else { return true };
+        let inspector = inspector_of(workshop);
+        let PassColours { colours } = &mut pixel.colours;
+        while colours.len() < passes && start.elapsed() < LONGEST {
+            let Some(found) = inspector.inspect(&view.with_pass(colours.len() as u32), pixel.inspection.pixel) else { break };
+            colours.push(found.total);
+        }
+        colours.truncate(passes);
+        colours.len() == passes
     }
 
     /// Marks the inspected pixel in the picture: a frame around it, with four ticks that also show where the pixel is
@@ -38,7 +99,7 @@ impl InspectorPanel {
         /// The least half width of the frame and the length of the ticks, in points.
         const HALF: f32 = 4.0;
         const TICK: f32 = 7.0;
-        let Some((inspection, _)) = self.inspection.as_ref().filter(|_| self.open) else { return };
+        let Some(InspectedPixel { inspection, .. }) = self.inspected.as_ref().filter(|_| self.open) else { return };
         let [x, y] = inspection.pixel.map(|coordinate| coordinate as f32);
         let pixel = Rect::from_min_max(placement.position_of([x, y]), placement.position_of([x + 1.0, y + 1.0]));
         let frame = Rect::from_center_size(pixel.center(), (pixel.size() + vec2(2.0, 2.0)).max(vec2(2.0 * HALF, 2.0 * HALF)));
@@ -63,21 +124,29 @@ impl InspectorPanel {
         if !self.open {
             return;
         }
-        if let Some((inspection, stamp)) = &self.inspection
-            && *stamp != workshop.stamp()
+        if let Some(InspectedPixel { stamp, inspection, .. }) = &self.inspected
+            && (*stamp != workshop.stamp() || inspection.pass != self.shown_pass.unwrap_or(0))
         {
             let pixel = inspection.pixel;
             self.inspect(workshop, pixel);
+        }
+        if self.shows_mean() && !self.find_colours(workshop) {
+            ui.ctx().request_repaint();
         }
         // Half of the room is for the picture.
         let most = (0.5 * ui.available_height()).max(LEAST_HEIGHT);
         let id = Id::new("inspector");
         let panel = Panel::bottom(id).resizable(true).default_size(sizes.get(PanelSide::Inspector));
         panel.size_range(LEAST_HEIGHT..=most).show(ui, |ui| {
-            let close = header_ui(ui, workshop, self.inspection.as_ref().map(|(inspection, _)| inspection));
+            let close = self.header_ui(ui, workshop);
             ui.separator();
-            match &self.inspection {
-                Some((inspection, _)) => tree_ui(ui, workshop, inspection),
+            match &self.inspected {
+                Some(pixel) if self.shows_mean() => {
+                    if let Some(chosen) = passes_ui(ui, workshop, &pixel.colours) {
+                        self.shown_pass = Some(chosen);
+                    }
+                }
+                Some(pixel) => tree_ui(ui, workshop, &pixel.inspection),
                 None => {
                     ui.label("Click a pixel of the picture to see its rays, what lights them, and the formula with its numbers.");
                     ui.allocate_space(ui.available_size());
@@ -87,32 +156,59 @@ impl InspectorPanel {
         });
         remember(ui.ctx(), id, PanelSide::Inspector, sizes);
     }
+
+    /// Draws the title, the colour of the pixel, the chooser of passes, and the button that closes the inspector. Returns
+    /// whether it was clicked.
+    fn header_ui(&mut self, ui: &mut Ui, workshop: &Workshop) -> bool {
+        let mut close = false;
+        ui.horizontal(|ui| {
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                close = ui.small_button("×").on_hover_text("Close the pixel inspector (F5)").clicked();
+                if self.passes() > 1 && self.inspected.is_some() {
+                    ui.separator();
+                    self.chooser_ui(ui);
+                    ui.separator();
+                }
+                // The rest of the row, which is shortened if it is too long.
+                ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                    let Some(InspectedPixel { inspection, colours, .. }) = &self.inspected else {
+                        ui.strong("Pixel inspector");
+                        return;
+                    };
+                    let [x, y] = inspection.pixel;
+                    ui.strong(format!("Pixel ({x}, {y})"));
+                    let colour = if self.shows_mean() { colours.mean() } else { inspection.total };
+                    swatch(ui, workshop, colour);
+                    ui.add(Label::new(RichText::new(colour_text(colour)).monospace()).truncate());
+                });
+            });
+        });
+        close
+    }
+
+    /// Draws the choice between the mean and one of the passes, from right to left.
+    fn chooser_ui(&mut self, ui: &mut Ui) {
+        let (passes, is_mean) = (self.passes(), self.shows_mean());
+        let mut pass = self.shown_pass.unwrap_or(0);
+        let field = ui.add(DragValue::new(&mut pass).range(0..=passes - 1).speed(0.1).update_while_editing(false));
+        let one = ui.selectable_label(!is_mean, "Pass").on_hover_text("The rays of one pass, counted from 0");
+        if field.changed() || one.clicked() {
+            self.shown_pass = Some(pass);
+        }
+        let mean = ui.selectable_label(is_mean, format!("Mean of {passes} passes"));
+        if mean.on_hover_text("The colour of the pixel is the mean of its colours in all passes").clicked() {
+            self.shown_pass = None;
+        }
+    }
+}
+
+/// The inspector of what is open.
+fn inspector_of(workshop: &Workshop) -> Inspector<'_> {
+    Inspector::new(workshop.formula(), workshop.world(), workshop.values().numbers())
 }
 
 /// The least height of the inspector, in points.
 const LEAST_HEIGHT: f32 = 100.0;
-
-/// Draws the title, the colour of the pixel, and the button that closes the inspector. Returns whether it was clicked.
-fn header_ui(ui: &mut Ui, workshop: &Workshop, inspection: Option<&Inspection>) -> bool {
-    let mut close = false;
-    ui.horizontal(|ui| {
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            close = ui.small_button("×").on_hover_text("Close the pixel inspector (F5)").clicked();
-            // The rest of the row, which is shortened if it is too long.
-            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                let Some(inspection) = inspection else {
-                    ui.strong("Pixel inspector");
-                    return;
-                };
-                let [x, y] = inspection.pixel;
-                ui.strong(format!("Pixel ({x}, {y})"));
-                swatch(ui, workshop, inspection.total);
-                ui.add(Label::new(RichText::new(colour_text(inspection.total)).monospace()).truncate());
-            });
-        });
-    });
-    close
-}
 
 /// A square of a colour, as in pictures.
 fn swatch(ui: &mut Ui, workshop: &Workshop, colour: [f32; 3]) {
@@ -122,6 +218,26 @@ fn swatch(ui: &mut Ui, workshop: &Workshop, colour: [f32; 3]) {
 
 fn colour_text(colour: [f32; 3]) -> String {
     format!("<{}>", colour.map(|component| figures(f64::from(component))).join(", "))
+}
+
+/// Draws the colour of each pass. Returns the pass that is clicked.
+fn passes_ui(ui: &mut Ui, workshop: &Workshop, colours: &PassColours) -> Option<u32> {
+    let mut chosen = None;
+    let height = ui.spacing().interact_size.y;
+    ScrollArea::vertical().auto_shrink(false).show_rows(ui, height, colours.colours.len(), |ui, rows| {
+        for pass in rows {
+            ui.horizontal(|ui| {
+                ui.set_min_height(height);
+                swatch(ui, workshop, colours.colours[pass]);
+                let link = ui.link(format!("pass {pass}"));
+                if link.on_hover_text("Show the rays of this pass").clicked() {
+                    chosen = Some(pass as u32);
+                }
+                ui.monospace(colour_text(colours.colours[pass]));
+            });
+        }
+    });
+    chosen
 }
 
 fn tree_ui(ui: &mut Ui, workshop: &Workshop, inspection: &Inspection) {
@@ -229,8 +345,10 @@ fn light_ui(ui: &mut Ui, workshop: &Workshop, hit: &InspectedHit, light: &Inspec
     let state = added.into_iter().chain(position).collect::<Vec<_>>().join(", ");
     let title = format!("light {name}, {}°: {state}", figures(light.angle));
     CollapsingHeader::new(title).id_salt(("light", light.light)).show(ui, |ui| {
-        let inspector = Inspector::new(workshop.formula(), workshop.world(), workshop.values().numbers());
-        let Some(instance) = inspector.instance(hit, light.light) else { return };
+        if let Some(sample) = light.sample_text(scene, hit) {
+            ui.monospace(sample);
+        }
+        let Some(instance) = inspector_of(workshop).instance(hit, light.light) else { return };
         for line in &instance.lines {
             line_ui(ui, line, "");
             line.calls.iter().for_each(|call| line_ui(ui, call, "   "));
@@ -238,8 +356,12 @@ fn light_ui(ui: &mut Ui, workshop: &Workshop, hit: &InspectedHit, light: &Inspec
                 ui.monospace(format!("   {text}"));
             }
         }
+        let weight = match light.sample.weight {
+            1.0 => String::new(),
+            weight => format!(" and the weight {}", figures(f64::from(weight))),
+        };
         ui.monospace(format!(
-            "times ki {}: {}",
+            "times ki {}{weight}: {}",
             figures(f64::from(light.intensity)),
             vector_figures(light.contribution.map(f64::from))
         ));

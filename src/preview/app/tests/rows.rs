@@ -1,6 +1,7 @@
 //! Rows of parameters, colours, and the sizes of panels.
 
 use super::*;
+use crate::evaluate::inspect::{Inspector, PassColours, figures};
 use crate::formula::ParameterId;
 use crate::picture::Transfer;
 use crate::user_data::settings::PanelSide;
@@ -218,6 +219,48 @@ fn the_first_start_suits_the_screen_and_later_ones_the_user() {
     assert_eq!(app.window_size(), [1024, 640]);
     let panels = app.user_state.settings.window.panels;
     assert!(panels.get(PanelSide::Texts) + panels.get(PanelSide::Parameters) < 600.0, "{panels:?}");
+}
+
+#[test]
+fn the_inspector_shows_the_mean_of_passes_or_the_rays_of_one() {
+    let mut harness = harness();
+    harness.key_press(egui::Key::F5);
+    harness.run_steps(5);
+    let pixel = [31, 20];
+    harness.state_mut().perform(Action::InspectPixel(pixel));
+    harness.run_steps(3);
+    assert!(harness.query_by_label_contains("Mean of").is_none(), "one pass has no mean");
+    harness.state_mut().inspector.set_passes(4);
+    harness.run_steps(20);
+    let workshop = &harness.state().workshop;
+    let inspector = Inspector::new(workshop.formula(), workshop.world(), workshop.values().numbers());
+    let view = workshop.view().expect("a view");
+    let colours = PassColours { colours: inspector.pass_colours(&view, pixel, 0..4) };
+    let text = |colour: [f32; 3]| format!("<{}>", colour.map(|component| figures(f64::from(component))).join(", "));
+    let (texts, mean) = (colours.colours.iter().map(|colour| text(*colour)).collect::<Vec<_>>(), text(colours.mean()));
+    assert!(texts.iter().any(|text| *text != mean), "{texts:?}");
+    harness.get_by_label("Mean of 4 passes");
+    assert!(harness.query_all_by_label(&mean).next().is_some(), "{mean}");
+    for (pass, text) in texts.iter().enumerate() {
+        harness.get_by_label(&format!("pass {pass}"));
+        assert!(harness.query_all_by_label(text).next().is_some(), "{text}");
+    }
+    assert!(harness.query_by_label_contains("seen, weight 1").is_none(), "the mean has no rays");
+    harness.get_by_label("pass 2").click();
+    harness.run_steps(3);
+    assert!(harness.query_by_label_contains("seen, weight 1").is_some());
+    assert!(harness.query_all_by_label(&texts[2]).next().is_some() && harness.query_by_label("pass 3").is_none());
+    // Fewer passes: the last of them is shown, and none is chosen when there is only one.
+    harness.state_mut().inspector.set_passes(2);
+    harness.run_steps(3);
+    assert!(harness.query_all_by_label(&texts[1]).next().is_some());
+    harness.get_by_label("Mean of 2 passes").click();
+    harness.run_steps(5);
+    assert!(harness.query_by_label("pass 1").is_some() && harness.query_by_label("pass 2").is_none());
+    harness.state_mut().inspector.set_passes(1);
+    harness.run_steps(3);
+    assert!(harness.query_by_label_contains("seen, weight 1").is_some());
+    assert!(harness.query_all_by_label(&texts[0]).next().is_some());
 }
 
 #[test]
