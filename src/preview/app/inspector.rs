@@ -165,7 +165,6 @@ impl InspectorPanel {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 close = ui.small_button("×").on_hover_text("Close the pixel inspector (F5)").clicked();
                 if self.passes() > 1 && self.inspected.is_some() {
-                    ui.separator();
                     self.chooser_ui(ui);
                     ui.separator();
                 }
@@ -195,7 +194,7 @@ impl InspectorPanel {
         if field.changed() || one.clicked() {
             self.shown_pass = Some(pass);
         }
-        let mean = ui.selectable_label(is_mean, format!("Mean of {passes} passes"));
+        let mean = ui.selectable_label(is_mean, format!("Mean of {passes}"));
         if mean.on_hover_text("The colour of the pixel is the mean of its colours in all passes").clicked() {
             self.shown_pass = None;
         }

@@ -239,7 +239,7 @@ fn the_inspector_shows_the_mean_of_passes_or_the_rays_of_one() {
     let text = |colour: [f32; 3]| format!("<{}>", colour.map(|component| figures(f64::from(component))).join(", "));
     let (texts, mean) = (colours.colours.iter().map(|colour| text(*colour)).collect::<Vec<_>>(), text(colours.mean()));
     assert!(texts.iter().any(|text| *text != mean), "{texts:?}");
-    harness.get_by_label("Mean of 4 passes");
+    harness.get_by_label("Mean of 4");
     assert!(harness.query_all_by_label(&mean).next().is_some(), "{mean}");
     for (pass, text) in texts.iter().enumerate() {
         harness.get_by_label(&format!("pass {pass}"));
@@ -254,7 +254,7 @@ fn the_inspector_shows_the_mean_of_passes_or_the_rays_of_one() {
     harness.state_mut().inspector.set_passes(2);
     harness.run_steps(3);
     assert!(harness.query_all_by_label(&texts[1]).next().is_some());
-    harness.get_by_label("Mean of 2 passes").click();
+    harness.get_by_label("Mean of 2").click();
     harness.run_steps(5);
     assert!(harness.query_by_label("pass 1").is_some() && harness.query_by_label("pass 2").is_none());
     harness.state_mut().inspector.set_passes(1);
