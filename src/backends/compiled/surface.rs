@@ -409,13 +409,14 @@ impl SurfaceSummation<'_> {
         &self,
         tile: &Tile,
         place: TilePlace,
+        path_weights: &[Weight],
         scratch: &mut SurfaceScratch,
         (radiance, colour): (&MissRadiance, [f32; 3]),
         mut add: impl FnMut(usize, [f32; 3]),
     ) {
         let nodes = self.nodes(place);
         let SurfaceScratch { weights, collects, collected, .. } = scratch;
-        for span in &tile.misses {
+        for span in tile.misses.iter().filter(|span| !path_weights[span.path.index()].is_zero()) {
             // The nodes of a path and its misses are in the order of pixels.
             for (node, miss) in nodes.paths[span.path.index()].clone().zip(span.hits.clone()) {
                 let (node, seen) = (node as usize, radiance.of(miss as usize));

@@ -110,7 +110,7 @@ impl Summation<'_> {
                 None => radiance.add(self.environment, weights, planes),
                 Some(summation) => {
                     let add = |pixel: usize, colour: [f32; 3]| planes.add_colour(pixel, colour);
-                    summation.add_environment(tile, place, surface, (radiance, self.environment), add);
+                    summation.add_environment(tile, place, weights, surface, (radiance, self.environment), add);
                 }
             }
         }

@@ -53,6 +53,24 @@ fn random_formulas_agree_in_every_pass() {
     }
 }
 
+#[test]
+fn weights_of_rays_weigh_what_rays_see_of_the_environment() {
+    let fresnel = "F0 = ((1-eta)/(1+eta))^2; F = if(total, 1, F0 + (1-F0)*(1-max(0,N.V))^5);";
+    let formulas = [
+        format!("{fresnel} reflected = kr*F; refracted = kt*(1-F); = IL*Cd*max(0, N.L);"),
+        format!("{fresnel} reflected = Cd*kr*F; refracted = <0.2, 0, 1>; emission = 0.1*Cd; = IL*IL*Cd*max(0, N.L);"),
+        // Weights that are not bounded, and weights that vanish by components.
+        "reflected = <kr/0, 1, 0>; refracted = <0, kt, 1>; = IL*Cd*max(0, N.L);".to_owned(),
+    ];
+    for (formula, pass) in formulas.iter().zip(0..) {
+        // Rays of the floor have the weight 0, but not those that go on from there.
+        for numbers in [[0.0, 0.7, 0.9, 0.4, 0.6], [1.0, 0.7, 0.0, 0.0, 0.6]] {
+            let case = Case::in_pass(format!("formula; {formula}"), &numbers, &compiled(), SCENE, pass).expect("a formula");
+            check(&case).unwrap_or_else(|error| panic!("{formula}: {error}"));
+        }
+    }
+}
+
 static METHODS: [AtomicUsize; 3] = [const { AtomicUsize::new(0) }; 3];
 
 /// Drags numbers through values, from scratch and from the picture of all passes.
