@@ -115,6 +115,8 @@ impl Log {
             }
             Event::Passes { kept, wanted, time, bytes } => {
                 let memory = if kept < wanted { format!("; there is no memory for more of {wanted}") } else { String::new() };
+                let [width, height] = workshop.size();
+                self.bytes_per_pixel = Some(*bytes as f64 / f64::from((width * height).max(1)));
                 let (time, bytes) = (milliseconds(*time), MemorySize(*bytes));
                 self.add(format!("traced {kept} passes: {time} for those after the first, {bytes} of memory{memory}"));
             }

@@ -235,3 +235,79 @@ fn a_moving_scene_is_seen_coarsely_at_every_movement_and_in_full_when_it_rests()
     let stamp = renderer.show(rests.clone(), values.numbers());
     assert!(wait_for(&renderer, stamp).pixels == expected(&rests, &values));
 }
+
+/// Waits for a picture of these values in which all of this many passes were evaluated.
+fn wait_for_passes(renderer: &Renderer, values: u64, passes: usize) -> Picture {
+    let mut picture = Picture::default();
+    for _ in 0..20_000 {
+        renderer.take(&mut picture);
+        let is_complete = picture.passes == PassCount { evaluated: passes, shown: passes };
+        if picture.values == values && picture.linear.is_some() && is_complete {
+            return picture;
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    panic!("no picture of {passes} passes came: {:?}", picture.passes);
+}
+
+#[test]
+fn passes_arrive_one_after_the_other_and_a_slider_begins_with_all_of_them() {
+    let renderer = Renderer::new(|| {}).expect("threads");
+    let (request, mut values) = request(64, 48);
+    let request = RenderRequest { samples: 5, ..request };
+    let mean = |values: &Values| {
+        let frame = request.engine.picture(&request.subject, values.numbers(), 5, &Task::UNWATCHED).expect("small enough");
+        let mut framebuffer = Framebuffer::black(64, 48, request.transform);
+        framebuffer.set(&frame);
+        framebuffer.pixels
+    };
+    let first = renderer.show(request.clone(), values.numbers());
+    let all = wait_for_passes(&renderer, first, 5);
+    assert!(all.pixels == mean(&values), "the picture of the command line, bit for bit");
+    assert_eq!(renderer.passes(), [5, 5]);
+    assert!(renderer.events().any(|event| matches!(event, Event::Passes { kept: 5, wanted: 5, .. })));
+    // A held slider shows all passes at once, however few of them are evaluated.
+    let indices = moved_kd(&mut values, 0.31);
+    let held = renderer.move_to(values.numbers(), Some(indices.clone()));
+    let mut shown = Picture::default();
+    while shown.values != held {
+        renderer.wait_for(held, Duration::from_secs(20));
+        renderer.take(&mut shown);
+    }
+    assert_eq!(shown.passes.shown, 5);
+    // Sums are ready after a while. They give the mean but for rounding.
+    let mut last = held;
+    while shown.passes.evaluated < 5 {
+        moved_kd(&mut values, if last % 2 == 0 { 0.3 } else { 0.6 });
+        last = renderer.move_to(values.numbers(), Some(indices.clone()));
+        renderer.wait_for(last, Duration::from_secs(20));
+        renderer.take(&mut shown);
+    }
+    let far = |(one, other): (&u32, &u32)| one.to_be_bytes().iter().zip(other.to_be_bytes()).any(|(a, b)| a.abs_diff(b) > 1);
+    assert_eq!(shown.values, last);
+    assert_eq!(shown.pixels.iter().zip(&mean(&values)).filter(|pair| far(*pair)).count(), 0);
+    // When it is let go, all passes are evaluated.
+    let rested = renderer.move_to(values.numbers(), None);
+    assert!(wait_for_passes(&renderer, rested, 5).pixels == mean(&values));
+    // Fewer and more passes of the same scene.
+    let more = renderer.show(RenderRequest { samples: 7, ..request.clone() }, values.numbers());
+    wait_for_passes(&renderer, more, 7);
+    assert_eq!(renderer.passes(), [7, 7]);
+}
+
+#[test]
+fn no_more_passes_are_kept_than_there_is_memory_for() {
+    let renderer = Renderer::new(|| {}).expect("threads");
+    let (request, values) = request(64, 48);
+    let hits = request.engine.trace(&request.subject, &Task::UNWATCHED).expect("small enough");
+    let pass = request.engine.kept_bytes(&request.subject, &hits).expect("a formula of ordinary size");
+    // Beside them there are pixels, and scratch memory of threads.
+    let engine = request.engine.clone().with_memory(64 * pass);
+    let first = renderer.show(RenderRequest { samples: 1000, engine, ..request }, values.numbers());
+    wait_for_passes(&renderer, first, 64);
+    let kept = renderer.events().find_map(|event| match event {
+        Event::Passes { kept, wanted, bytes, .. } => Some((kept, wanted, bytes)),
+        _ => None,
+    });
+    assert_eq!(kept, Some((64, 1000, 64 * pass)));
+}
