@@ -106,8 +106,8 @@ impl LightKind {
         }
     }
 
-    /// The same, turned about an axis of the scene through its anchor, counter-clockwise seen from where the axis points
-    /// to. `None` if it has no anchor, or if it looks the same from all sides.
+    /// The same, turned about an axis of the scene through its anchor, counter-clockwise seen from where the axis
+    /// points to. `None` if it has no anchor, or if it looks the same from all sides.
     pub fn turned(&self, axis: DVec3, degrees: f64) -> Option<Self> {
         match self {
             LightKind::Spot(light) => light.turned(axis, degrees).map(LightKind::Spot),
@@ -128,8 +128,8 @@ impl LightKind {
         }
     }
 
-    /// The same, larger by a factor along each of its own [axes](Self::axes), with the anchor where it is. `None` if that
-    /// is no longer of this kind.
+    /// The same, larger by a factor along each of its own [axes](Self::axes), with the anchor where it is. `None` if
+    /// that is no longer of this kind.
     pub fn stretched_along_axes(&self, by: DVec3) -> Option<Self> {
         match self {
             LightKind::Rectangle(light) => light.stretched_along(by).map(LightKind::Rectangle),

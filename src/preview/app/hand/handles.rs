@@ -67,8 +67,8 @@ impl SceneView<'_> {
         Some((object, SceneAxis::ALL.map(ring)))
     }
 
-    /// The handles along the own axes of the selected thing, from its origin. What is flat has two, a sphere that shines
-    /// none.
+    /// The handles along the own axes of the selected thing, from its origin. What is flat has two, a sphere that
+    /// shines none.
     pub(super) fn factor_handles(&self) -> Option<FactorHandles> {
         let (object, anchor, origin) = self.object_with(HandleTool::Scale)?;
         let scene = self.world.scene();

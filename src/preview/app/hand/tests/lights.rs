@@ -55,6 +55,10 @@ fn a_light_of_every_kind_is_dragged_copied_and_removed() {
         let mut harness = with_lights(&written, HandleTool::Move);
         let before = kind(&harness);
         let markers = harness.state().scene_view().light_markers();
+        if before.anchor().is_none() && before.direction().is_none() {
+            assert!(markers.is_empty(), "it is all around: {written}");
+            continue;
+        }
         let [marker] = markers[..] else { panic!("{} markers", markers.len()) };
         assert_eq!(marker.light, LightId(0), "{written}");
         let grip = harness.state().scene_view().grip_at(marker.at, true);
