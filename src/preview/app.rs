@@ -223,7 +223,7 @@ impl App {
             asset_loading: AssetLoading::default(),
             dropped: DroppedFiles::default(),
             settings_dialog: SettingsDialog::default(),
-            inspector: InspectorPanel::of_passes(1),
+            inspector: InspectorPanel::default(),
             materials: MaterialRow::default(),
             drafts_written_at: 0.0,
             theme: Theme::Dark,
@@ -308,6 +308,7 @@ impl App {
             remember(ui.ctx(), named("texts"), PanelSide::Texts, &mut sizes);
             remember(ui.ctx(), named("parameters"), PanelSide::Parameters, &mut sizes);
         }
+        self.inspector.set_passes(self.workshop.renderer().passes());
         self.inspector.ui(ui, &self.workshop, &mut sizes);
         self.user_state.settings.window.panels = sizes;
         CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {

@@ -455,7 +455,11 @@ impl Workshop {
 
     /// Sets how many passes a picture is the mean of if the session does not say; 0 counts as 1.
     pub fn set_default_samples(&mut self, samples: u32) {
+        let before = self.samples();
         self.default_samples = samples.max(1);
+        if self.samples() != before {
+            self.request_picture();
+        }
     }
 
     /// Limits the memory that a picture may take, in bytes; `None` for half of what is free.

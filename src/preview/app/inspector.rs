@@ -1,5 +1,5 @@
 //! The pixel inspector: the ray tree of a pixel, what each ray adds, and the formula with its numbers. If the picture is
-//! the mean of several passes, it shows the colours of all of them, or the rays of one.
+//! the mean of several passes, it shows the mean, the colours of all of them and the rays of the first, or those of one.
 
 use crate::evaluate::inspect::{
     End, InspectedHit, InspectedLight, Inspection, Inspector, InstanceLine, Onward, PassColours, Visibility, figures, left_out,
@@ -23,8 +23,8 @@ use std::time::{Duration, Instant};
 pub(super) struct InspectorPanel {
     /// Whether the inspector is open.
     pub(super) open: bool,
-    /// How many passes the picture in view is the mean of; 0 counts as 1.
-    passes: u32,
+    /// How many passes are traced, and how many there will be; 0 counts as 1.
+    passes: [u32; 2],
     /// The pass whose rays are shown; `None`: the mean. With one pass, its rays are shown.
     shown_pass: Option<u32>,
     inspected: Option<InspectedPixel>,
@@ -41,27 +41,21 @@ struct InspectedPixel {
 }
 
 impl InspectorPanel {
-    /// The inspector of a picture of this many passes.
-    pub(super) fn of_passes(passes: u32) -> Self {
-        let mut inspector = Self::default();
-        inspector.set_passes(passes);
-        inspector
-    }
-
-    /// Sets how many passes the picture in view is the mean of.
-    pub(super) fn set_passes(&mut self, passes: u32) {
+    /// Sets how many passes of the picture in view are traced, and how many there will be.
+    pub(super) fn set_passes(&mut self, passes: [u32; 2]) {
         self.passes = passes;
-        let last = self.passes().saturating_sub(1);
+        let last = passes[1].saturating_sub(1);
         self.shown_pass = self.shown_pass.map(|pass| pass.min(last));
     }
 
-    fn passes(&self) -> u32 {
-        self.passes.max(1)
+    /// Whether the picture is, or will be, the mean of several passes.
+    fn has_several_passes(&self) -> bool {
+        self.passes[1] > 1
     }
 
     /// Whether the colours of all passes are shown, not the rays of one.
     fn shows_mean(&self) -> bool {
-        self.passes() > 1 && self.shown_pass.is_none()
+        self.has_several_passes() && self.shown_pass.is_none()
     }
 
     /// Inspects a pixel.
@@ -81,7 +75,7 @@ impl InspectorPanel {
     fn find_colours(&mut self, workshop: &Workshop) -> bool {
         /// A frame may take this much longer.
         const LONGEST: Duration = Duration::from_millis(4);
-        let (passes, start) = (self.passes() as usize, Instant::now());
+        let (passes, start) = (self.passes[0].max(1) as usize, Instant::now());
         let (Some(pixel), Ok(view)) = (&mut self.inspected, workshop.view()) else { return true };
         let inspector = inspector_of(workshop);
         let PassColours { colours } = &mut pixel.colours;
@@ -141,12 +135,11 @@ impl InspectorPanel {
             let close = self.header_ui(ui, workshop);
             ui.separator();
             match &self.inspected {
-                Some(pixel) if self.shows_mean() => {
-                    if let Some(chosen) = passes_ui(ui, workshop, &pixel.colours) {
-                        self.shown_pass = Some(chosen);
-                    }
+                Some(InspectedPixel { inspection, colours, .. }) => {
+                    let chosen = if self.shows_mean() { passes_ui(ui, workshop, colours) } else { None };
+                    tree_ui(ui, workshop, inspection);
+                    self.shown_pass = chosen.or(self.shown_pass);
                 }
-                Some(pixel) => tree_ui(ui, workshop, &pixel.inspection),
                 None => {
                     ui.label("Click a pixel of the picture to see its rays, what lights them, and the formula with its numbers.");
                     ui.allocate_space(ui.available_size());
@@ -164,8 +157,11 @@ impl InspectorPanel {
         ui.horizontal(|ui| {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 close = ui.small_button("×").on_hover_text("Close the pixel inspector (F5)").clicked();
-                if self.passes() > 1 && self.inspected.is_some() {
-                    self.chooser_ui(ui);
+                if self.has_several_passes()
+                    && let Some(InspectedPixel { colours, .. }) = &self.inspected
+                {
+                    let known = colours.colours.len();
+                    self.chooser_ui(ui, known);
                     ui.separator();
                 }
                 // The rest of the row, which is shortened if it is too long.
@@ -185,16 +181,17 @@ impl InspectorPanel {
         close
     }
 
-    /// Draws the choice between the mean and one of the passes, from right to left.
-    fn chooser_ui(&mut self, ui: &mut Ui) {
-        let (passes, is_mean) = (self.passes(), self.shows_mean());
+    /// Draws the choice between the mean of the passes whose colours are known, and one of all passes, from right to
+    /// left.
+    fn chooser_ui(&mut self, ui: &mut Ui, known: usize) {
+        let (last, is_mean) = (self.passes[1].saturating_sub(1), self.shows_mean());
         let mut pass = self.shown_pass.unwrap_or(0);
-        let field = ui.add(DragValue::new(&mut pass).range(0..=passes - 1).speed(0.1).update_while_editing(false));
+        let field = ui.add(DragValue::new(&mut pass).range(0..=last).speed(0.1).update_while_editing(false));
         let one = ui.selectable_label(!is_mean, "Pass").on_hover_text("The rays of one pass, counted from 0");
         if field.changed() || one.clicked() {
             self.shown_pass = Some(pass);
         }
-        let mean = ui.selectable_label(is_mean, format!("Mean of {passes}"));
+        let mean = ui.selectable_label(is_mean, if is_mean { format!("Mean of {known}") } else { "Mean".to_owned() });
         if mean.on_hover_text("The colour of the pixel is the mean of its colours in all passes").clicked() {
             self.shown_pass = None;
         }
@@ -219,23 +216,28 @@ fn colour_text(colour: [f32; 3]) -> String {
     format!("<{}>", colour.map(|component| figures(f64::from(component))).join(", "))
 }
 
-/// Draws the colour of each pass. Returns the pass that is clicked.
+/// Draws a list of the colours of all passes, which can be opened, and the title of the rays of the first. Returns the
+/// pass that is clicked.
 fn passes_ui(ui: &mut Ui, workshop: &Workshop, colours: &PassColours) -> Option<u32> {
     let mut chosen = None;
-    let height = ui.spacing().interact_size.y;
-    ScrollArea::vertical().auto_shrink(false).show_rows(ui, height, colours.colours.len(), |ui, rows| {
-        for pass in rows {
-            ui.horizontal(|ui| {
-                ui.set_min_height(height);
-                swatch(ui, workshop, colours.colours[pass]);
-                let link = ui.link(format!("pass {pass}"));
-                if link.on_hover_text("Show the rays of this pass").clicked() {
-                    chosen = Some(pass as u32);
-                }
-                ui.monospace(colour_text(colours.colours[pass]));
-            });
-        }
+    let (height, most) = (ui.spacing().interact_size.y, 0.5 * ui.available_height());
+    CollapsingHeader::new("Colours of the passes").show(ui, |ui| {
+        let list = ScrollArea::vertical().auto_shrink([false, true]).max_height(most);
+        list.show_rows(ui, height, colours.colours.len(), |ui, rows| {
+            for pass in rows {
+                ui.horizontal(|ui| {
+                    ui.set_min_height(height);
+                    swatch(ui, workshop, colours.colours[pass]);
+                    let link = ui.link(format!("pass {pass}"));
+                    if link.on_hover_text("Show the rays of this pass").clicked() {
+                        chosen = Some(pass as u32);
+                    }
+                    ui.monospace(colour_text(colours.colours[pass]));
+                });
+            }
+        });
     });
+    ui.weak("The rays of pass 0:");
     chosen
 }
 

@@ -41,7 +41,8 @@ impl TestWorkshop {
         let context = harness.ctx.clone();
         harness.state_mut().started(&context);
         harness.state_mut().pane.zoom = pane::Zoom::ACTUAL;
-        let picture = PictureSettings { size: [260, 180], ..harness.state().workshop.settings() };
+        // One pass: then nothing changes once there is a picture.
+        let picture = PictureSettings { size: [260, 180], samples: Some(1), ..harness.state().workshop.settings() };
         harness.state_mut().workshop.set_picture(picture).expect("a size in range");
         let mut stage = Self { harness, painter };
         stage.settle();

@@ -33,7 +33,9 @@ fn harness_in(folders: Option<&Folders>) -> Harness<'static, App> {
     let mut harness =
         Harness::builder().with_size(egui::vec2(1100.0, 700.0)).build_ui_state(|ui, app: &mut App| app.draw(ui), app);
     harness.state_mut().pane.zoom = pane::Zoom::ACTUAL;
-    let small = crate::workspace::session::PictureSettings { size: [64, 48], depth: 2, ..harness.state().workshop.settings() };
+    // One pass: then nothing changes once there is a picture.
+    let settings = harness.state().workshop.settings();
+    let small = crate::workspace::session::PictureSettings { size: [64, 48], depth: 2, samples: Some(1), ..settings };
     harness.state_mut().workshop.set_picture(small).expect("a size in range");
     settle(&mut harness);
     harness

@@ -6,6 +6,7 @@ use crate::formula::ParameterId;
 use crate::picture::Transfer;
 use crate::user_data::settings::PanelSide;
 use crate::workspace::OwnerId;
+use crate::workspace::session::PictureSettings;
 use egui::{Pos2, Rect};
 
 /// A harness with the body `ball` selected.
@@ -221,6 +222,21 @@ fn the_first_start_suits_the_screen_and_later_ones_the_user() {
     assert!(panels.get(PanelSide::Texts) + panels.get(PanelSide::Parameters) < 600.0, "{panels:?}");
 }
 
+/// Waits until so many passes of the picture are traced.
+fn with_passes(harness: &mut Harness<'_, App>, passes: u32) {
+    let settings = PictureSettings { samples: Some(passes), ..harness.state().workshop.settings() };
+    harness.state_mut().workshop.set_picture(settings).expect("settings in range");
+    for _ in 0..30_000 {
+        harness.step();
+        if harness.state().workshop.renderer().passes() == [passes; 2] && harness.state().workshop.is_up_to_date() {
+            harness.run_steps(10);
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    panic!("no passes came: {:?}", harness.state().workshop.renderer().passes());
+}
+
 #[test]
 fn the_inspector_shows_the_mean_of_passes_or_the_rays_of_one() {
     let mut harness = harness();
@@ -228,10 +244,9 @@ fn the_inspector_shows_the_mean_of_passes_or_the_rays_of_one() {
     harness.run_steps(5);
     let pixel = [31, 20];
     harness.state_mut().perform(Action::InspectPixel(pixel));
-    harness.run_steps(3);
-    assert!(harness.query_by_label_contains("Mean of").is_none(), "one pass has no mean");
-    harness.state_mut().inspector.set_passes(4);
-    harness.run_steps(20);
+    with_passes(&mut harness, 1);
+    assert!(harness.query_by_label_contains("Mean").is_none(), "one pass has no mean");
+    with_passes(&mut harness, 4);
     let workshop = &harness.state().workshop;
     let inspector = Inspector::new(workshop.formula(), workshop.world(), workshop.values().numbers());
     let view = workshop.view().expect("a view");
@@ -240,25 +255,25 @@ fn the_inspector_shows_the_mean_of_passes_or_the_rays_of_one() {
     let (texts, mean) = (colours.colours.iter().map(|colour| text(*colour)).collect::<Vec<_>>(), text(colours.mean()));
     assert!(texts.iter().any(|text| *text != mean), "{texts:?}");
     harness.get_by_label("Mean of 4");
+    assert!(harness.query_by_label_contains("seen, weight 1").is_some(), "the rays of the first pass");
+    harness.get_by_label("Colours of the passes").click();
+    harness.run_steps(20);
     assert!(harness.query_all_by_label(&mean).next().is_some(), "{mean}");
     for (pass, text) in texts.iter().enumerate() {
         harness.get_by_label(&format!("pass {pass}"));
         assert!(harness.query_all_by_label(text).next().is_some(), "{text}");
     }
-    assert!(harness.query_by_label_contains("seen, weight 1").is_none(), "the mean has no rays");
     harness.get_by_label("pass 2").click();
     harness.run_steps(3);
     assert!(harness.query_by_label_contains("seen, weight 1").is_some());
     assert!(harness.query_all_by_label(&texts[2]).next().is_some() && harness.query_by_label("pass 3").is_none());
-    // Fewer passes: the last of them is shown, and none is chosen when there is only one.
-    harness.state_mut().inspector.set_passes(2);
-    harness.run_steps(3);
+    // Fewer passes: the last of them is shown.
+    with_passes(&mut harness, 2);
     assert!(harness.query_all_by_label(&texts[1]).next().is_some());
-    harness.get_by_label("Mean of 2").click();
+    harness.get_by_label("Mean").click();
     harness.run_steps(5);
     assert!(harness.query_by_label("pass 1").is_some() && harness.query_by_label("pass 2").is_none());
-    harness.state_mut().inspector.set_passes(1);
-    harness.run_steps(3);
+    with_passes(&mut harness, 1);
     assert!(harness.query_by_label_contains("seen, weight 1").is_some());
     assert!(harness.query_all_by_label(&texts[0]).next().is_some());
 }
