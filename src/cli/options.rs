@@ -67,8 +67,8 @@ pub(super) struct MachineOptions {
 /// How many passes a picture is the mean of.
 #[derive(Args, Debug, Default)]
 pub(super) struct PassOptions {
-    /// Take the mean of N passes, 1 to 65536: in each, rays go through other points of their pixels, and hits take other
-    /// points of lights [default: that of the session, or 1]
+    /// Take the mean of N passes, 1 to 65536: in each, rays go through other points of their pixels, and hits take
+    /// other points of lights [default: that of the session, or 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_PASSES)))]
     pub(super) samples: Option<u32>,
 }

@@ -39,14 +39,13 @@ impl MissRadiance {
         let mut runs: Vec<MissRun> = Vec::new();
         for span in &tile.misses {
             let start = runs.len();
-            let mut miss = span.hits.start;
-            for pixel in tile.miss_segments_of(span).iter().flat_map(|segment| segment.pixels()) {
+            let pixels = tile.miss_segments_of(span).iter().flat_map(|segment| segment.pixels());
+            for (pixel, miss) in pixels.zip(span.hits.start..) {
                 match runs[start..].last_mut() {
                     Some(run) if usize::from(run.pixel) + run.misses.len() == pixel => run.misses.end += 1,
                     // Tiles are small enough.
                     _ => runs.push(MissRun { pixel: pixel as u16, path: span.path.0, misses: miss..miss + 1 }),
                 }
-                miss += 1;
             }
             replay_misses(tracer, tile, span, |_, direction| {
                 let radiance = environment.radiance(direction);

@@ -12,7 +12,6 @@
 
 use crate::backends::compiled::leaves::{StaticLeaf, StaticTextures};
 use crate::backends::compiled::memory::StreamMemory;
-use crate::backends::compiled::miss_radiance::MissRadiance;
 use crate::backends::compiled::place::TilePlace;
 use crate::evaluate::weights::Weight;
 use crate::formula::Formula;
@@ -403,15 +402,15 @@ impl SurfaceSummation<'_> {
         }
     }
 
-    /// Adds the radiance of the environment times a colour, for every ray that leaves the scene. `add` adds a colour to a
-    /// pixel of the tile.
+    /// Adds what every ray that leaves the scene sees of the environment, which `seen` gives for a miss. `add` adds a
+    /// colour to a pixel of the tile.
     pub(super) fn add_environment(
         &self,
         tile: &Tile,
         place: TilePlace,
         path_weights: &[Weight],
         scratch: &mut SurfaceScratch,
-        (radiance, colour): (&MissRadiance, [f32; 3]),
+        seen: impl Fn(usize) -> [f32; 3],
         mut add: impl FnMut(usize, [f32; 3]),
     ) {
         let nodes = self.nodes(place);
@@ -419,9 +418,8 @@ impl SurfaceSummation<'_> {
         for span in tile.misses.iter().filter(|span| !path_weights[span.path.index()].is_zero()) {
             // The nodes of a path and its misses are in the order of pixels.
             for (node, miss) in nodes.paths[span.path.index()].clone().zip(span.hits.clone()) {
-                let (node, seen) = (node as usize, radiance.of(miss as usize));
+                let (node, sum) = (node as usize, seen(miss as usize));
                 let weight = weights[node];
-                let sum: [f32; 3] = std::array::from_fn(|component| colour[component] * seen[component]);
                 if *collects {
                     collected[node] = std::array::from_fn(|component| collected[node][component] + sum[component]);
                 } else if weight != [0.0; 3] {

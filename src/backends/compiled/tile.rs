@@ -110,7 +110,11 @@ impl Summation<'_> {
                 None => radiance.add(self.environment, weights, planes),
                 Some(summation) => {
                     let add = |pixel: usize, colour: [f32; 3]| planes.add_colour(pixel, colour);
-                    summation.add_environment(tile, place, weights, surface, (radiance, self.environment), add);
+                    let seen = |miss: usize| {
+                        let seen = radiance.of(miss);
+                        std::array::from_fn(|component| self.environment[component] * seen[component])
+                    };
+                    summation.add_environment(tile, place, weights, surface, seen, add);
                 }
             }
         }

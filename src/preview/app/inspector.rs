@@ -1,5 +1,6 @@
-//! The pixel inspector: the ray tree of a pixel, what each ray adds, and the formula with its numbers. If the picture is
-//! the mean of several passes, it shows the mean, the colours of all of them and the rays of the first, or those of one.
+//! The pixel inspector: the ray tree of a pixel, what each ray adds, and the formula with its numbers. If the picture
+//! is the mean of several passes, it shows the mean, the colours of all of them and the rays of the first, or those of
+//! one.
 
 use crate::evaluate::inspect::{
     End, InspectedHit, InspectedLight, Inspection, Inspector, InstanceLine, Onward, PassColours, Visibility, figures, left_out,
@@ -150,8 +151,8 @@ impl InspectorPanel {
         remember(ui.ctx(), id, PanelSide::Inspector, sizes);
     }
 
-    /// Draws the title, the colour of the pixel, the chooser of passes, and the button that closes the inspector. Returns
-    /// whether it was clicked.
+    /// Draws the title, the colour of the pixel, the chooser of passes, and the button that closes the inspector.
+    /// Returns whether it was clicked.
     fn header_ui(&mut self, ui: &mut Ui, workshop: &Workshop) -> bool {
         let mut close = false;
         ui.horizontal(|ui| {

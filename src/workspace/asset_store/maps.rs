@@ -181,9 +181,11 @@ fn read_map(path: &Path, reading: &Reading) -> Result<(Arc<RadianceMap>, MapRepa
     let (decoding, map) = (texels * encoded.bytes_per_texel(), RadianceMap::memory_of(width, height));
     let numbers = decoding / encoded.copies();
     check_memory(&path.display().to_string(), decoding.max(numbers + map), reading)?;
-    let made = match encoded.decode(limits).map_err(undecoded)? {
-        DynamicImage::ImageRgba32F(image) => map_of::<4>([width, height], image.as_raw()),
-        other => map_of::<3>([width, height], other.into_rgb32f().as_raw()),
+    let image = encoded.decode(limits).map_err(undecoded)?;
+    let made = if let DynamicImage::ImageRgba32F(image) = image {
+        map_of::<4>([width, height], image.as_raw())
+    } else {
+        map_of::<3>([width, height], image.into_rgb32f().as_raw())
     };
     if reading.cancelled.load(Ordering::Relaxed) {
         return Err(MapFault::Cancelled);

@@ -1,5 +1,5 @@
-//! Pictures of several passes under every kind of light: both backends agree pass by pass, and drags over sums of passes
-//! give the mean of all passes.
+//! Pictures of several passes under every kind of light: both backends agree pass by pass, and drags over sums of
+//! passes give the mean of all passes.
 
 use crate::agreement::drags::{VIEWS, together, wrong};
 use crate::agreement::formulas::{Case, SIZE, check, ingredients, number, runner};

@@ -77,7 +77,7 @@ impl WorkList<'_> {
         let all = self.drag.compiled.passes.len();
         let stages = match self.from_picture {
             Some(_) => doubling(all),
-            None => vec![0..all],
+            None => std::iter::once(0..all).collect(),
         };
         let mut keys = BTreeSet::new();
         let mut items = Vec::new();

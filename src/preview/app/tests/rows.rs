@@ -222,7 +222,7 @@ fn the_first_start_suits_the_screen_and_later_ones_the_user() {
     assert!(panels.get(PanelSide::Texts) + panels.get(PanelSide::Parameters) < 600.0, "{panels:?}");
 }
 
-/// Waits until so many passes of the picture are traced.
+/// Waits until this many passes of the picture are traced.
 fn with_passes(harness: &mut Harness<'_, App>, passes: u32) {
     let settings = PictureSettings { samples: Some(passes), ..harness.state().workshop.settings() };
     harness.state_mut().workshop.set_picture(settings).expect("settings in range");
