@@ -9,11 +9,16 @@ use illuminator::workspace::{NamedAssignment, Values};
 use std::f64::consts::{PI, TAU};
 
 /// The sides of the pictures of a point, and the passes: 65,536 samples of each light.
-const SIDE: u32 = 64;
-const PASSES: u32 = 16;
+const AREA: [u32; 2] = [64, 16];
+/// The same for lights without an area.
+const NO_AREA: [u32; 2] = [4, 1];
 
 /// The mean of a picture of a point of a floor y = 0, near which nothing else is. The colour of bodies is 1.
 fn seen(formula: &str, others: &str, lights: &str, at: [f64; 2]) -> [f64; 3] {
+    mean(formula, others, lights, at, AREA)
+}
+
+fn mean(formula: &str, others: &str, lights: &str, at: [f64; 2], [side, passes]: [u32; 2]) -> [f64; 3] {
     let [x, z] = at;
     let floor = "floor: rectangle, <-50,0,-50>, <50,0,-50>, <50,0,50>, opaque, matte;";
     let scene = format!(
@@ -21,7 +26,7 @@ fn seen(formula: &str, others: &str, lights: &str, at: [f64; 2]) -> [f64; 3] {
          camera; position <{x},0.05,{}>; gaze <0,-0.5,-1>; up <0,1,0>; fov 0.001;",
         z + 0.1
     );
-    let picture = picture(formula, &scene, View::new(SIDE, SIDE).expect("a size"), PASSES);
+    let picture = picture(formula, &scene, View::new(side, side).expect("a size"), passes);
     let sum = picture.iter().fold([0.0; 3], |sum, pixel| [0, 1, 2].map(|at| sum[at] + f64::from(pixel[at])));
     sum.map(|sum| sum / picture.len() as f64)
 }
@@ -109,17 +114,18 @@ fn a_sphere_shines_as_closed_forms_say() {
 fn a_cone_has_a_smooth_edge() {
     // From a height of 2, so that the distance from the middle is 2·tan of the angle.
     let beam = "beam: spot, <0,2,0>, target <0,-1,0>, angle 30, soft 10;";
+    let seen = |formula: &str, at| mean(formula, "", beam, at, NO_AREA);
     // 1 - smoothstep at 0, 1/4, 1/2 and 3/4 of the soft part, and outside.
     for (degrees, factor) in [(0.0, 1.0), (19.9, 1.0), (22.5, 0.84375), (25.0, 0.5), (27.5, 0.15625), (30.1, 0.0)] {
         let at = [2.0 * f64::tan(f64::to_radians(degrees)), 0.0];
-        near(seen("formula; = IL;", "", beam, at), factor, 1e-4);
+        near(seen("formula; = IL;", at), factor, 1e-4);
         // What does not depend on the colour of the light is whole within the cone, and nothing outside.
         let inside = f64::from(u8::from(factor > 0.0));
-        near(seen("formula; = 0.25*IL + <0.5>;", "", beam, at), 0.25 * factor + 0.5 * inside, 1e-4);
-        near(seen("formula; = sqrt(IL);", "", beam, at), factor.sqrt(), 1e-4);
+        near(seen("formula; = 0.25*IL + <0.5>;", at), 0.25 * factor + 0.5 * inside, 1e-4);
+        near(seen("formula; = sqrt(IL);", at), factor.sqrt(), 1e-4);
         // Without a body between, the light is visible outside the cone too. Its colour is black there.
-        near(seen("formula; = IL*(1 + visible);", "", beam, at), 2.0 * factor, 1e-4);
-        near(seen("formula; = IL + <visible>;", "", beam, at), factor + 1.0, 1e-4);
+        near(seen("formula; = IL*(1 + visible);", at), 2.0 * factor, 1e-4);
+        near(seen("formula; = IL + <visible>;", at), factor + 1.0, 1e-4);
     }
 }
 
