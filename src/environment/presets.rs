@@ -52,14 +52,16 @@ pub const PRESETS: &[EnvironmentPreset] = &[
     },
 ];
 
-/// The map of a function that gives the linear RGB radiance from a direction of unit length.
-fn map_of(radiance: impl Fn(DVec3) -> [f64; 3] + Sync) -> RadianceMap {
+/// The map of a function that gives the radiance, linear RGB, from a direction of unit length.
+fn map_of(radiance: impl Fn(DVec3) -> DVec3 + Sync) -> RadianceMap {
     let [width, height] = SIZE;
+    let middle = |index: u32, count: u32| (f64::from(index) + 0.5) / f64::from(count);
+    // The directions at the horizon. Those of other rows are the same, but shorter.
+    let level: Vec<DVec3> = (0..width).map(|column| direction(middle(column, width), [1.0, 0.0])).collect();
     let write = |row: u32, texels: &mut [[f32; 3]]| {
-        let polar = (PI * (f64::from(row) + 0.5) / f64::from(height)).sin_cos();
-        for (texel, column) in texels.iter_mut().zip(0_u32..) {
-            let u = (f64::from(column) + 0.5) / f64::from(width);
-            *texel = radiance(direction(u, [polar.0, polar.1])).map(|component| component as f32);
+        let (sine, cosine) = (PI * middle(row, height)).sin_cos();
+        for (texel, level) in texels.iter_mut().zip(&level) {
+            *texel = radiance(DVec3::new(sine * level.x, cosine, sine * level.z)).as_vec3().to_array();
         }
     };
     RadianceMap::of_rows(width, height, write).map_or(RadianceMap::WHITE, |(map, _)| map)
@@ -71,18 +73,12 @@ fn smooth_step(from: f64, to: f64, x: f64) -> f64 {
     share * share * (3.0 - 2.0 * share)
 }
 
-/// The sum of two colours, each with a factor.
-fn sum(a: f64, one: [f64; 3], b: f64, other: [f64; 3]) -> [f64; 3] {
-    [0, 1, 2].map(|index| a * one[index] + b * other[index])
-}
-
 /// The plain under a sky, with haze at the horizon: `sky` is the radiance at the horizon and `plain` that of the plain,
 /// seen in a direction downwards.
-fn plain_in_haze(direction: DVec3, sky: [f64; 3], plain: [f64; 3]) -> [f64; 3] {
+fn plain_in_haze(direction: DVec3, sky: DVec3, plain: DVec3) -> DVec3 {
     /// Below this height of a direction there is no haze, about 3 degrees below the horizon.
     const HAZE: f64 = -0.05;
-    let clear = smooth_step(0.0, HAZE, direction.y);
-    sum(1.0 - clear, sky, clear, plain)
+    sky.lerp(plain, smooth_step(0.0, HAZE, direction.y))
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ pub const MAX_MAP_SIDE: u32 = 16_384;
 const MOST_CELLS: u64 = 1 << 23;
 
 /// How much of the luminance of linear RGB each component is (Recommendation ITU-R BT.709-6, item 3.2).
-const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+const LUMINANCE: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
 
 /// The weight that a texel gives to its own cell and to each neighbour, along each axis.
 ///
@@ -92,7 +92,7 @@ impl RadianceMap {
     /// interpolated, also across the left and the right edge. Above the middles of the first row and below those of the
     /// last it is that of the row.
     pub fn radiance(&self, direction: DVec3) -> [f32; 3] {
-        self.texels.as_ref().map_or([1.0; 3], |map| map.texels.at(MapPlace::of(direction)))
+        self.texels.as_ref().map_or([1.0; 3], |map| map.texels.at(MapPlace::of(direction)).to_array())
     }
 
     /// Draws a direction by a point of the unit square: the more light comes from a direction, the more densely.
@@ -168,7 +168,7 @@ impl TexelMap {
         let [above, below] = [rows.start, rows.end].map(|edge| (PI * edge as f64 / self.texels.height as f64).cos());
         let cosine = above + (below - above) * down;
         let sine = sine_of(cosine);
-        let radiance = self.texels.at(MapPlace { u, v: sine.atan2(cosine) / PI });
+        let radiance = self.texels.at(MapPlace { u, v: sine.atan2(cosine) / PI }).to_array();
         let density = drawn.probability / self.solid_angle(drawn.column, drawn.row);
         Some(RadianceSample { direction: direction(u, [sine, cosine]), radiance, density })
     }
@@ -199,8 +199,7 @@ fn weigh(texels: &Texels, side: usize, row: usize, weights: &mut [f32]) {
         };
         let share: f64 = rows.clone().map(share_in).sum();
         for (luminance, texel) in luminances.iter_mut().zip(texels.row(texel_row)) {
-            let [red, green, blue] = texel.map(f64::from);
-            *luminance += share * (LUMINANCE[0] * red + LUMINANCE[1] * green + LUMINANCE[2] * blue);
+            *luminance += share * LUMINANCE.dot(texel.as_dvec3());
         }
     }
     // Each texel of a cell has the same part of it.

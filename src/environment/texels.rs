@@ -2,6 +2,7 @@
 
 use crate::environment::compact::CompactNumber;
 use crate::environment::latitude_longitude::MapPlace;
+use glam::Vec3;
 use rayon::prelude::*;
 
 /// Texels in rows, at least one.
@@ -70,6 +71,12 @@ impl RowFindings {
     }
 }
 
+/// The radiance of a texel, linear RGB.
+#[inline]
+fn radiance_of(&[red, green, blue]: &[CompactNumber; 3]) -> Vec3 {
+    Vec3::new(red.get(), green.get(), blue.get())
+}
+
 impl Texels {
     /// The bytes that this many texels take.
     pub(super) fn memory_of(width: usize, height: usize) -> u64 {
@@ -101,25 +108,26 @@ impl Texels {
     }
 
     /// A row, from the left.
-    pub(super) fn row(&self, row: usize) -> impl Iterator<Item = [f32; 3]> {
-        self.numbers[row * self.width..][..self.width].iter().map(|texel| texel.map(CompactNumber::get))
+    pub(super) fn row(&self, row: usize) -> impl Iterator<Item = Vec3> {
+        self.numbers[row * self.width..][..self.width].iter().map(radiance_of)
     }
 
-    fn texel(&self, column: usize, row: usize) -> [f32; 3] {
-        self.numbers[row * self.width + column].map(CompactNumber::get)
+    #[inline]
+    fn texel(&self, column: usize, row: usize) -> Vec3 {
+        radiance_of(&self.numbers[row * self.width + column])
     }
 
     /// The radiance at a place: interpolated between the middles of texels, across the left and the right edge too.
-    pub(super) fn at(&self, place: MapPlace) -> [f32; 3] {
+    #[inline]
+    pub(super) fn at(&self, place: MapPlace) -> Vec3 {
         let (x, y) = (place.u * self.width as f64 - 0.5, (place.v * self.height as f64 - 0.5).max(0.0));
         // The casts saturate, and NaN becomes 0.
         let left = if x < 0.0 { self.width - 1 } else { (x as usize).min(self.width - 1) };
         let right = if left + 1 == self.width { 0 } else { left + 1 };
         let above = (y as usize).min(self.height - 1);
         let below = (above + 1).min(self.height - 1);
-        let [across, down] = [x - x.floor(), y - y.floor()].map(|share| share as f32);
-        let mix = |a: [f32; 3], b: [f32; 3], share: f32| [0, 1, 2].map(|index| a[index] + (b[index] - a[index]) * share);
-        let in_row = |row: usize| mix(self.texel(left, row), self.texel(right, row), across);
-        mix(in_row(above), in_row(below), down)
+        let (across, down) = ((x - x.floor()) as f32, (y - y.floor()) as f32);
+        let in_row = |row: usize| self.texel(left, row).lerp(self.texel(right, row), across);
+        in_row(above).lerp(in_row(below), down)
     }
 }

@@ -2,7 +2,7 @@
 //! appendix A.2. The sun is in `sun`.
 
 use crate::environment::RadianceMap;
-use crate::environment::presets::{map_of, plain_in_haze, smooth_step, sum, sun};
+use crate::environment::presets::{map_of, plain_in_haze, smooth_step, sun};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
@@ -20,7 +20,7 @@ const SUN_SOLID_ANGLE: f64 = 0.25 * PI * (1.39 / 150.0) * (1.39 / 150.0);
 const DISC: [f64; 2] = [0.7, 1.3];
 
 /// The part of the light that the plain below reflects: dry grass and soil.
-const ALBEDO: [f64; 3] = [0.21, 0.19, 0.15];
+const ALBEDO: DVec3 = DVec3::new(0.21, 0.19, 0.15);
 
 /// The coefficients A to E of the distributions of luminance Y and chromaticity x and y, each as a factor of the
 /// turbidity and a constant.
@@ -38,17 +38,17 @@ const ZENITH: [[[f64; 4]; 3]; 2] = [
 ];
 
 /// Linear sRGB of CIE XYZ (IEC 61966-2-1). Colours that are beyond sRGB are cut off.
-fn rgb([x, y, z]: [f64; 3]) -> [f64; 3] {
+fn rgb(xyz: DVec3) -> DVec3 {
+    let DVec3 { x, y, z } = xyz;
     let red = 3.2406 * x - 1.5372 * y - 0.4986 * z;
     let green = -0.9689 * x + 1.8758 * y + 0.0415 * z;
     let blue = 0.0557 * x - 0.2040 * y + 1.0570 * z;
-    [red, green, blue].map(|component| component.max(0.0))
+    DVec3::new(red, green, blue).max(DVec3::ZERO)
 }
 
-/// The distribution of R. Perez, R. Seals and J. Michalsky, 1993, by the cosine of the zenith angle of a direction and
-/// its angle to the sun.
-fn perez([a, b, c, d, e]: [f64; 5], cosine: f64, to_sun: f64) -> f64 {
-    let near_sun = to_sun.cos();
+/// The distribution of R. Perez, R. Seals and J. Michalsky, 1993, by the cosine of the zenith angle of a direction, and
+/// its angle to the sun with the cosine.
+fn perez([a, b, c, d, e]: [f64; 5], cosine: f64, (to_sun, near_sun): (f64, f64)) -> f64 {
     (1.0 + a * (b / cosine).exp()) * (1.0 + c * (d * to_sun).exp() + e * near_sun * near_sun)
 }
 
@@ -73,7 +73,7 @@ impl ClearSky {
             ZENITH.map(|[square, linear, constant]| (cubic(square) * turbidity + cubic(linear)) * turbidity + cubic(constant));
         let mut factors = [luminance, x, y];
         for (factor, coefficients) in factors.iter_mut().zip(coefficients) {
-            *factor /= perez(coefficients, 1.0, angle);
+            *factor /= perez(coefficients, 1.0, (angle, sun.y));
         }
         Self { sun, coefficients, factors, turbidity }
     }
@@ -82,35 +82,36 @@ impl ClearSky {
     /// horizon it is that of the horizon.
     fn luminance(&self, direction: DVec3) -> [f64; 3] {
         let cosine = direction.y.max(1e-3);
-        let to_sun = direction.dot(self.sun).clamp(-1.0, 1.0).acos();
+        let near_sun = direction.dot(self.sun).clamp(-1.0, 1.0);
+        let to_sun = (near_sun.acos(), near_sun);
         [0, 1, 2].map(|index| self.factors[index] * perez(self.coefficients[index], cosine, to_sun))
     }
 
     /// The radiance of the sky, linear RGB, without the sun.
-    fn radiance(&self, direction: DVec3) -> [f64; 3] {
+    fn radiance(&self, direction: DVec3) -> DVec3 {
         let [luminance, x, y] = self.luminance(direction);
         let sum = luminance / (y * UNIT);
-        rgb([sum * x, sum * y, sum * (1.0 - x - y)])
+        rgb(sum * DVec3::new(x, y, 1.0 - x - y))
     }
 
     /// The irradiance of a plane that faces the sun, by the sun alone.
-    fn of_sun(&self) -> [f64; 3] {
+    fn of_sun(&self) -> DVec3 {
         let zenith = self.sun.y.clamp(-1.0, 1.0).acos();
-        rgb(sun::radiance(zenith, self.turbidity).map(|component| component * SUN_SOLID_ANGLE / UNIT))
+        rgb(sun::radiance(zenith, self.turbidity) * SUN_SOLID_ANGLE / UNIT)
     }
 
     /// The irradiance of the plain by the sky alone: a sum over equal parts of the projected hemisphere.
-    fn of_sky(&self) -> [f64; 3] {
+    fn of_sky(&self) -> DVec3 {
         const STEPS: u32 = 48;
-        let mut total = [0.0; 3];
+        let mut total = DVec3::ZERO;
         for (row, column) in (0..STEPS).flat_map(|row| (0..STEPS).map(move |column| (row, column))) {
             let share = (f64::from(row) + 0.5) / f64::from(STEPS);
             let (sine, cosine) = (TAU * (f64::from(column) + 0.5) / f64::from(STEPS)).sin_cos();
             let radius = share.sqrt();
             let radiance = self.radiance(DVec3::new(radius * sine, (1.0 - share).sqrt(), radius * cosine));
-            total = sum(1.0, total, PI / f64::from(STEPS * STEPS), radiance);
+            total += radiance;
         }
-        total
+        total * PI / f64::from(STEPS * STEPS)
     }
 }
 
@@ -130,21 +131,21 @@ fn disc_solid_angle() -> f64 {
 pub(super) fn map() -> RadianceMap {
     let sky = ClearSky::new(TOWARDS_SUN.normalize(), TURBIDITY);
     let of_sun = sky.of_sun();
-    let disc = of_sun.map(|component| component / disc_solid_angle());
-    let lit = sum(sky.sun.y / PI, of_sun, 1.0 / PI, sky.of_sky());
-    let plain = [0, 1, 2].map(|index| ALBEDO[index] * lit[index]);
+    let disc = of_sun / disc_solid_angle();
+    let plain = ALBEDO * (sky.sun.y * of_sun + sky.of_sky()) / PI;
     map_of(|direction| {
         let radiance = sky.radiance(direction);
         if direction.y < 0.0 {
             return plain_in_haze(direction, radiance, plain);
         }
-        sum(1.0, radiance, in_disc(direction.dot(sky.sun)), disc)
+        radiance + in_disc(direction.dot(sky.sun)) * disc
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
 
     /// The sun at a zenith angle in degrees.
     fn sky(zenith: f64, turbidity: f64) -> ClearSky {
@@ -167,11 +168,11 @@ mod tests {
         let sky = sky(50.0, 2.2);
         let [zenith, horizon, beside] = [DVec3::new(0.0, 1.0, -0.2), DVec3::new(1.0, 0.05, 0.0), sky.sun]
             .map(|direction| sky.radiance(direction.normalize()));
-        let ratio = |colour: [f64; 3]| colour[2] / colour[0];
+        let ratio = |colour: DVec3| colour.z / colour.x;
         assert!(ratio(zenith) > 2.0 && ratio(horizon) < ratio(zenith), "{zenith:?} {horizon:?}");
-        assert!(horizon[1] > 1.5 * zenith[1] && beside[1] > 2.0 * zenith[1], "{beside:?} {zenith:?}");
+        assert!(horizon.y > 1.5 * zenith.y && beside.y > 2.0 * zenith.y, "{beside} {zenith}");
         // On a clear day, with the sun 40 degrees high, a plain has 60 to 80 klx, most of it by the sun.
-        let klx = |irradiance: [f64; 3]| UNIT * (0.2126 * irradiance[0] + 0.7152 * irradiance[1] + 0.0722 * irradiance[2]);
+        let klx = |irradiance: DVec3| UNIT * irradiance.dot(DVec3::new(0.2126, 0.7152, 0.0722));
         let [of_sky, of_sun] = [klx(sky.of_sky()), sky.sun.y * klx(sky.of_sun())];
         assert!((60.0..80.0).contains(&(of_sky + of_sun)) && of_sun > 1.8 * of_sky, "{of_sky} {of_sun}");
     }
@@ -181,24 +182,22 @@ mod tests {
         let map = map();
         let sun = TOWARDS_SUN.normalize();
         let sky = ClearSky::new(sun, TURBIDITY);
+        let seen = |direction: DVec3| Vec3::from(map.radiance(direction)).as_dvec3();
         let (right, up) = (sun.cross(DVec3::Y).normalize(), sun.cross(DVec3::Y).normalize().cross(sun));
         let (steps, side) = (200, 0.1);
-        let mut found = [0.0; 3];
+        let mut found = DVec3::ZERO;
         for (x, y) in (0..steps).flat_map(|x| (0..steps).map(move |y| (x, y))) {
             let [x, y] = [x, y].map(|step| side * ((f64::from(step) + 0.5) / f64::from(steps) - 0.5));
             let direction = (sun + x * right + y * up).normalize();
             // The part of the plane that a direction sees has this solid angle.
             let part = side * side / f64::from(steps * steps) * direction.dot(sun).powi(3);
-            let with_sun = map.radiance(direction).map(f64::from);
-            found = sum(1.0, found, part, sum(1.0, with_sun, -1.0, sky.radiance(direction)));
+            found += part * (seen(direction) - sky.radiance(direction));
         }
-        for (found, expected) in found.into_iter().zip(sky.of_sun()) {
-            assert!((found / expected - 1.0).abs() < 0.02, "{found} {expected}");
-        }
+        assert!((found / sky.of_sun() - 1.0).abs().max_element() < 0.02, "{found} {}", sky.of_sun());
         // Its middle is as bright as a disc of radius 1.04 degrees.
         let radius = (0.5 * (DISC[0] * DISC[0] + DISC[1] * DISC[1])).sqrt().to_radians();
-        let middle = sky.of_sun().map(|component| component / (PI * radius * radius));
-        let brightest = sum(1.0, map.radiance(sun).map(f64::from), -1.0, sky.radiance(sun));
-        assert!((brightest[1] / middle[1] - 1.0).abs() < 0.05, "{brightest:?} {middle:?}");
+        let middle = sky.of_sun() / (PI * radius * radius);
+        let brightest = seen(sun) - sky.radiance(sun);
+        assert!((brightest.y / middle.y - 1.0).abs() < 0.05, "{brightest} {middle}");
     }
 }

@@ -15,12 +15,12 @@ fn sky(height: f64) -> f64 {
     ZENITH * (1.0 + 2.0 * height) / 3.0
 }
 
-fn radiance(direction: DVec3) -> [f64; 3] {
+fn radiance(direction: DVec3) -> DVec3 {
     if direction.y >= 0.0 {
-        [sky(direction.y); 3]
+        DVec3::splat(sky(direction.y))
     } else {
         // The irradiance of the plain by π is ∫ L·cos dω / π = 7/9·Lz.
-        plain_in_haze(direction, [sky(0.0); 3], [ALBEDO * ZENITH * 7.0 / 9.0; 3])
+        plain_in_haze(direction, DVec3::splat(sky(0.0)), DVec3::splat(ALBEDO * ZENITH * 7.0 / 9.0))
     }
 }
 

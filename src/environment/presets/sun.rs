@@ -1,6 +1,8 @@
 //! The sun through a clear atmosphere: A. J. Preetham, P. Shirley, B. Smits, A practical analytic model for daylight,
 //! 1999, appendix A.1 and table 2.
 
+use glam::DVec3;
+
 /// The wavelengths of the table, in nanometres: from this one on, every ten.
 const FIRST: f64 = 380.0;
 
@@ -63,29 +65,28 @@ fn transmittance(wavelength: f64, [_, ozone, water, gases]: [f64; 4], mass: f64,
 
 /// The colour matching functions of the CIE 1931 observer at a wavelength in nanometres: C. Wyman, P.-P. Sloan,
 /// P. Shirley, Simple analytic approximations to the CIE XYZ color matching functions, 2013, equation 4 (multi-lobe).
-fn observer(wavelength: f64) -> [f64; 3] {
+fn observer(wavelength: f64) -> DVec3 {
     let lobe = |peak: f64, below: f64, above: f64| {
         let distance = (wavelength - peak) / if wavelength < peak { below } else { above };
         (-0.5 * distance * distance).exp()
     };
-    [
+    DVec3::new(
         1.056 * lobe(599.8, 37.9, 31.0) + 0.362 * lobe(442.0, 16.0, 26.7) - 0.065 * lobe(501.1, 20.4, 26.2),
         0.821 * lobe(568.8, 46.9, 40.5) + 0.286 * lobe(530.9, 16.3, 31.1),
         1.217 * lobe(437.0, 11.8, 36.0) + 0.681 * lobe(459.0, 26.0, 13.8),
-    ]
+    )
 }
 
 /// The radiance of the disc of the sun at a zenith angle in radians, as CIE XYZ in kcd/m².
-pub(super) fn radiance(zenith: f64, turbidity: f64) -> [f64; 3] {
+pub(super) fn radiance(zenith: f64, turbidity: f64) -> DVec3 {
     /// Lumens of a watt at a wavelength of 555 nm, in thousands; and the step of the table.
     const SCALE: f64 = 0.683 * 10.0;
     let mass = 1.0 / (zenith.cos() + 0.15 * (93.885 - zenith.to_degrees()).powf(-1.253));
-    let mut total = [0.0; 3];
+    let mut total = DVec3::ZERO;
     for (index, row) in TABLE.into_iter().enumerate() {
         let wavelength = FIRST + 10.0 * index as f64;
         let radiance = 100.0 * row[0] * transmittance(wavelength / 1000.0, row, mass, turbidity);
-        let response = observer(wavelength);
-        (0..3).for_each(|component| total[component] += SCALE * radiance * response[component]);
+        total += SCALE * radiance * observer(wavelength);
     }
     total
 }
@@ -99,21 +100,21 @@ mod tests {
         // Without an atmosphere: the solar illuminance constant is 128 to 134 klx (IES: 127.5), and the disc of
         // diameter 0.533° has 6.8e-5 sr.
         let above: f64 =
-            TABLE.iter().enumerate().map(|(index, row)| 6.83e2 * row[0] * observer(380.0 + 10.0 * index as f64)[1]).sum();
+            TABLE.iter().enumerate().map(|(index, row)| 6.83e2 * row[0] * observer(380.0 + 10.0 * index as f64).y).sum();
         let klx = 6.8e-5 * above;
         assert!((120.0..140.0).contains(&klx), "{klx}");
         // High in a clear sky, direct sunlight has 80 to 110 klx. Low, it is weaker and redder.
         let [high, low] = [20.0_f64, 80.0].map(|zenith| radiance(zenith.to_radians(), 2.5));
-        let klx = 6.8e-5 * high[1];
+        let klx = 6.8e-5 * high.y;
         assert!((80.0..110.0).contains(&klx), "{klx}");
-        assert!(low[1] < 0.5 * high[1] && low[0] / low[2] > 1.5 * high[0] / high[2], "{low:?} {high:?}");
+        assert!(low.y < 0.5 * high.y && low.x / low.z > 1.5 * high.x / high.z, "{low:?} {high:?}");
     }
 
     #[test]
     fn the_observer_is_that_of_the_cie() {
         // Tables of CIE 1931, 2°: ȳ(555) = 1.0000, x̄(600) = 1.0622, z̄(450) = 1.7721.
-        assert!((observer(555.0)[1] - 1.0).abs() < 0.02);
-        assert!((observer(600.0)[0] - 1.0622).abs() < 0.02);
-        assert!((observer(450.0)[2] - 1.7721).abs() < 0.03);
+        assert!((observer(555.0).y - 1.0).abs() < 0.02);
+        assert!((observer(600.0).x - 1.0622).abs() < 0.02);
+        assert!((observer(450.0).z - 1.7721).abs() < 0.03);
     }
 }
