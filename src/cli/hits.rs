@@ -6,7 +6,8 @@
 //! - `hits`: pixel (row by row from the top left), pass, body, path, primitive, and the variables of the hit;
 //! - `records`: a hit and a light that reaches it, the variables of both, and the radiance and the weight of the sample
 //!   of the light. If the formula reads `visible`, there is a record for each hit and each light;
-//! - `misses`: rays that left the scene, by pixel, pass and path;
+//! - `misses`: rays that left the scene, by pixel, pass and path, their directions, and what the environment sends along
+//!   them;
 //! - `paths`: the last step of each path: the path before, the kind of ray, the body that it hit.
 //!
 //! One pass after the other is traced and written.
@@ -19,10 +20,11 @@ use crate::cli::report::Failure;
 use illuminator::backends::REFERENCE;
 use illuminator::engine::{Engine, Subject, Task};
 use illuminator::files::{reason, replace_file};
-use illuminator::lang::types::Type;
 use illuminator::lang::variables::{Rate, Variable};
 use illuminator::sampling::SampleKey;
-use illuminator::trace::{CoordinatesUse, Edge, HitVariables, Hits, LightVariables, NodeLight, Tile, Tracer, replay, variable};
+use illuminator::trace::{
+    CoordinatesUse, Edge, HitVariables, Hits, LightVariables, NodeLight, Tile, Tracer, replay, replay_misses, variable,
+};
 use illuminator::workspace::project::Project;
 use illuminator::world::SurfaceHit;
 use serde::Serialize;
@@ -81,6 +83,8 @@ struct Index {
     height: u32,
     bodies: Vec<String>,
     lights: Vec<String>,
+    /// The light that is the environment, if there is one.
+    environment: Option<u32>,
     /// What the numbers of `paths.edge` mean.
     edges: [&'static str; 3],
     /// What stands for "none" in columns of type u32.
@@ -115,7 +119,7 @@ struct ColumnIndex {
     meaning: Option<&'static str>,
 }
 
-/// What a column of whole numbers means.
+/// What a column means that has no variable.
 fn meaning(table: &str, column: &str) -> Option<&'static str> {
     Some(match (table, column) {
         ("paths", "parent") => "the path to the hit that the last ray comes from; none: the camera",
@@ -128,6 +132,8 @@ fn meaning(table: &str, column: &str) -> Option<&'static str> {
         ("hits", "path") | ("misses", "path") => {
             "the path by which the ray came; its weight is the product of kr and kt along it"
         }
+        ("misses", "direction") => "the direction in which the ray left the scene",
+        ("misses", "radiance") => "what the environment sends along the ray, as a factor of its ki and IL",
         ("hits", "body") => "the body",
         ("hits", "primitive") => "the part of the body's surface, counted from 0: a side of a box, a triangle of a mesh",
         ("records", "hit") => "the hit that the light reaches, or may reach: see `visible`",
@@ -144,6 +150,20 @@ fn column_of(variable: Variable) -> &'static str {
     OF_SAMPLE.iter().find(|(of_sample, _)| *of_sample == variable).map_or(variable.name(), |(_, name)| *name)
 }
 
+/// A column of real numbers.
+struct RealColumn {
+    name: &'static str,
+    /// How many numbers each row has, 1..=3.
+    components: usize,
+    meaning: Option<&'static str>,
+}
+
+impl From<Variable> for RealColumn {
+    fn from(variable: Variable) -> Self {
+        Self { name: column_of(variable), components: variable.ty().slots(), meaning: Some(variable.doc()) }
+    }
+}
+
 /// A table that is being written: one file a column.
 struct TableWriter {
     name: &'static str,
@@ -152,9 +172,9 @@ struct TableWriter {
 }
 
 impl TableWriter {
-    fn new(folder: &Path, name: &'static str, numbers: &[&str], variables: &[Variable]) -> io::Result<Self> {
+    fn new(folder: &Path, name: &'static str, numbers: &[&str], real: impl IntoIterator<Item = RealColumn>) -> io::Result<Self> {
         let whole = numbers.iter().map(|number| (*number, "u32", 1, meaning(name, number)));
-        let real = variables.iter().map(|variable| (column_of(*variable), "f32", variable.ty().slots(), Some(variable.doc())));
+        let real = real.into_iter().map(|RealColumn { name, components, meaning }| (name, "f32", components, meaning));
         let column = |(column, r#type, components, meaning): (&str, &'static str, usize, Option<&'static str>)| {
             let file = format!("{name}.{column}.{type}");
             let writer = BufWriter::new(File::create(folder.join(&file))?);
@@ -163,16 +183,17 @@ impl TableWriter {
         Ok(TableWriter { name, count: 0, columns: whole.chain(real).map(column).collect::<io::Result<_>>()? })
     }
 
-    /// Adds a row: the whole numbers, then the value of each variable. Returns the number of the row.
-    fn add(&mut self, numbers: &[u32], variables: impl Iterator<Item = ([f32; 3], Type)>) -> io::Result<u32> {
+    /// Adds a row: the whole numbers, then those of each real column, of which the first components count. Returns the
+    /// number of the row.
+    fn add(&mut self, numbers: &[u32], values: impl IntoIterator<Item = [f32; 3]>) -> io::Result<u32> {
         let row = self.count;
         self.count = row.checked_add(1).filter(|count| *count < NONE).ok_or_else(|| io::Error::other("too many rows"))?;
         let (whole, real) = self.columns.split_at_mut(numbers.len());
         for ((_, writer), number) in whole.iter_mut().zip(numbers) {
             writer.write_all(&number.to_le_bytes())?;
         }
-        for ((_, writer), (value, ty)) in real.iter_mut().zip(variables) {
-            for number in &value[..ty.slots()] {
+        for ((column, writer), value) in real.iter_mut().zip(values) {
+            for number in &value[..column.components] {
                 writer.write_all(&number.to_le_bytes())?;
             }
         }
@@ -211,11 +232,13 @@ impl Dump {
         let of = |rate| Variable::written().copied().filter(|variable| variable.rate() == rate).collect::<Vec<_>>();
         let (of_hit, mut of_record) = (of(Rate::Hit), of(Rate::Record));
         of_record.extend(OF_SAMPLE.map(|(variable, _)| variable));
+        let columns = |variables: &[Variable]| variables.iter().copied().map(RealColumn::from).collect::<Vec<_>>();
+        let of_miss = ["direction", "radiance"].map(|name| RealColumn { name, components: 3, meaning: meaning("misses", name) });
         Ok(Self {
-            hits: TableWriter::new(folder, "hits", &["pixel", "pass", "body", "path", "primitive"], &of_hit)?,
-            records: TableWriter::new(folder, "records", &["hit", "light"], &of_record)?,
-            misses: TableWriter::new(folder, "misses", &["pixel", "pass", "path"], &[])?,
-            paths: TableWriter::new(folder, "paths", &["parent", "edge", "body"], &[])?,
+            hits: TableWriter::new(folder, "hits", &["pixel", "pass", "body", "path", "primitive"], columns(&of_hit))?,
+            records: TableWriter::new(folder, "records", &["hit", "light"], columns(&of_record))?,
+            misses: TableWriter::new(folder, "misses", &["pixel", "pass", "path"], of_miss)?,
+            paths: TableWriter::new(folder, "paths", &["parent", "edge", "body"], [])?,
             known: HashMap::new(),
             of_hit,
             of_record,
@@ -236,7 +259,7 @@ impl Dump {
             let step = (parent, path.edge, path.body.map_or(NONE, |body| body.0));
             let row = match self.known.get(&step) {
                 Some(row) => *row,
-                None => self.paths.add(&[step.0, step.1 as u32, step.2], std::iter::empty())?,
+                None => self.paths.add(&[step.0, step.1 as u32, step.2], [])?,
             };
             self.known.insert(step, row);
             rows.push(row);
@@ -266,13 +289,18 @@ impl Dump {
         for ((path, _), (surface, key, lights)) in scattered {
             self.hit(tracer, lights, &surface, &key, path)?;
         }
+        let environment = tracer.world().environment();
         for span in &tile.misses {
-            for segment in tile.miss_segments_of(span) {
-                for pixel in segment.pixels() {
-                    let (pixel, pass) = (tile.pixels.start + pixel as u32, tracer.view().pass());
-                    self.misses.add(&[pixel, pass, rows[span.path.index()]], std::iter::empty())?;
+            let mut outcome = Ok(0);
+            replay_misses(tracer, tile, span, |pixel, direction| {
+                let radiance = environment.map_or([0.0; 3], |environment| environment.radiance(direction));
+                if outcome.is_ok() {
+                    let numbers = [pixel, tracer.view().pass(), rows[span.path.index()]];
+                    outcome = self.misses.add(&numbers, [direction.as_vec3().to_array(), radiance]);
                 }
-            }
+            })
+            .map_err(io::Error::other)?;
+            outcome?;
         }
         Ok(())
     }
@@ -287,11 +315,11 @@ impl Dump {
     ) -> io::Result<()> {
         let index = tracer.relative_index(surface);
         let own = HitVariables::new(tracer.world(), surface, index, CoordinatesUse::Read);
-        let values = self.of_hit.iter().map(|symbol| (own.value(*symbol).unwrap_or_default(), symbol.ty()));
+        let values = self.of_hit.iter().map(|symbol| own.value(*symbol).unwrap_or_default());
         let row = self.hits.add(&[key.pixel, key.pass, surface.body.0, path, surface.primitive.0], values)?;
         for NodeLight { emitter, visible } in lights {
             let lit = LightVariables::new(surface, &tracer.sample(emitter, surface, key), visible);
-            let values = self.of_record.iter().map(|symbol| (variable(*symbol, &own, &lit), symbol.ty()));
+            let values = self.of_record.iter().map(|symbol| variable(*symbol, &own, &lit));
             self.records.add(&[row, tracer.world().light_of(emitter).0], values)?;
         }
         Ok(())
@@ -308,6 +336,7 @@ impl Dump {
             height: view.height(),
             bodies: scene.bodies.iter().map(|body| body.name.clone()).collect(),
             lights: scene.lights.iter().map(|light| light.name.clone()).collect(),
+            environment: world.environment().map(|environment| environment.light().0),
             edges: ["primary", "reflected", "refracted"],
             none: NONE,
             passes: PassesIndex { count: passes, weight: f64::from(passes).recip() },

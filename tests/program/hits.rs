@@ -52,14 +52,15 @@ impl Dump {
 const BODY_COLOUR: [[f64; 3]; 2] = [[0.9, 0.3, 0.2], [0.6, 0.7, 0.8]];
 const REFLECTED: [f64; 2] = [0.25, 0.5];
 const REFRACTED: f64 = 0.125;
-/// A point, a spot that sends less at its edge, and a sphere with many points.
+/// A point, a spot that sends less at its edge, a sphere with many points, and an environment.
 const LIGHTS: &str = "lights;
 key: point, <4,6,5>;
 cone: spot, <-3,4,3>, target <0,0,0>, angle 20, soft 15;
 globe: sphere, center <-4,3,1>, radius 1;
+sky: environment, \"preset:sky\", rotate 40;
 camera;";
 const LIGHT_COLOUR: [f64; 3] = [1.0, 0.9, 0.75];
-const INTENSITY: [f64; 3] = [0.4, 0.7, 0.3];
+const INTENSITY: [f64; 4] = [0.4, 0.7, 0.3, 0.5];
 const AMBIENT: f64 = 0.05;
 const BACKGROUND: [f64; 3] = [0.1, 0.2, 0.4];
 
@@ -99,9 +100,12 @@ fn lambert(dump: &Dump) -> Vec<[f64; 3]> {
         };
         add(at[hit], paths[hit], [0, 1, 2].map(|component| INTENSITY[lights[record]] * weight[record] * local(component)));
     }
-    for (pixel, path) in dump.whole("misses", "pixel").into_iter().zip(dump.whole("misses", "path")) {
+    let sky = dump.index["environment"].as_u64().expect("a light") as usize;
+    let (at, seen) = (dump.whole("misses", "pixel"), dump.vectors("misses", "radiance"));
+    for (miss, path) in dump.whole("misses", "path").into_iter().enumerate() {
         assert_eq!(hit_bodies[path], none);
-        add(pixel, path, BACKGROUND);
+        let colour = |component: usize| BACKGROUND[component] + INTENSITY[sky] * LIGHT_COLOUR[component] * seen[miss][component];
+        add(at[miss], path, [0, 1, 2].map(colour));
     }
     pixels
 }
@@ -118,7 +122,7 @@ fn a_picture_of_several_passes_is_computed_again_from_its_hits() {
     let options = format!(
         "-f lambert.formula -s sub/lights.scene --size 32x24 --depth 3 --samples 4 --background {} --set ka={AMBIENT} \
          --set ball.Cd={ball} --set floor.Cd={floor} --set ball.kr={} --set floor.kr={} --set ball.kt={REFRACTED} \
-         --set *.IL={} --set key.ki={} --set cone.ki={} --set globe.ki={}",
+         --set *.IL={} --set key.ki={} --set cone.ki={} --set globe.ki={} --set sky.ki={}",
         vector(BACKGROUND),
         REFLECTED[0],
         REFLECTED[1],
@@ -126,10 +130,11 @@ fn a_picture_of_several_passes_is_computed_again_from_its_hits() {
         INTENSITY[0],
         INTENSITY[1],
         INTENSITY[2],
+        INTENSITY[3],
     );
     assert_eq!(told(folder.path(), &format!("dump {options} --stage hits -o hits")), "exit status 0\n");
     let dump = Dump::read(&folder.path().join("hits"));
-    assert_eq!((dump.names("bodies"), dump.names("lights")), (vec!["ball", "floor"], vec!["key", "cone", "globe"]));
+    assert_eq!((dump.names("bodies"), dump.names("lights")), (vec!["ball", "floor"], vec!["key", "cone", "globe", "sky"]));
     assert_eq!(dump.index["passes"], serde_json::json!({ "count": 4, "weight": 0.25 }));
     let radiance = dump.vectors("records", "radiance");
     assert!(radiance.iter().any(|[red, ..]| (0.1..0.9).contains(red)) && radiance.contains(&[1.0; 3]));
@@ -141,11 +146,25 @@ fn a_picture_of_several_passes_is_computed_again_from_its_hits() {
         let (drawn, first) = (picture.get_pixel(place.0, place.1).0, one.get_pixel(place.0, place.1).0);
         for component in 0..3 {
             let error = (computed[component] - f64::from(drawn[component])).abs();
-            assert!(error < 1e-5, "{place:?}: computed {computed:?}, drawn {drawn:?}");
+            assert!(error < 1e-5 * computed[component].max(1.0), "{place:?}: computed {computed:?}, drawn {drawn:?}");
         }
         far += usize::from((computed[0] - f64::from(first[0])).abs() > 1e-2);
     }
     assert!(far > 20, "{far} pixels differ from those of one pass");
+    // Rays of the first pass that leave the scene go through the middle of their pixels, as the camera looks.
+    let directions = dump.vectors("misses", "direction");
+    let corner = (0..directions.len()).find(|miss| dump.whole("misses", "pixel")[*miss] == 0).expect("the sky in the corner");
+    let half = 20.0_f64.to_radians().tan();
+    let [ahead, up] = [[0.0, -0.15, -1.0], [0.0, 1.0, -0.15]].map(|[x, y, z]: [f64; 3]| {
+        let length = (x * x + y * y + z * z).sqrt();
+        [x, y, z].map(|component| component / length)
+    });
+    let (across, high) = (-31.0 / 24.0 * half, 23.0 / 24.0 * half);
+    let way = [ahead[0] + across, ahead[1] + high * up[1], ahead[2] + high * up[2]];
+    let length = way.iter().map(|component| component * component).sum::<f64>().sqrt();
+    for axis in 0..3 {
+        assert!((directions[corner][axis] - way[axis] / length).abs() < 1e-6, "{:?} {way:?}", directions[corner]);
+    }
     // The pixels of each pass have primary rays of their own: a hit or a miss each.
     let [hits, misses] = ["hits", "misses"].map(|table| {
         let (pixels, passes, paths) = (dump.whole(table, "pixel"), dump.whole(table, "pass"), dump.whole(table, "path"));
