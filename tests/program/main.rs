@@ -11,6 +11,7 @@ mod habits;
 mod hits;
 mod import;
 mod json;
+mod light;
 mod lsp;
 mod man;
 #[cfg(unix)]
