@@ -22,7 +22,7 @@ impl Dump {
     fn column(&self, table: &str, name: &str) -> (Vec<[u8; 4]>, usize) {
         let table = &self.index["tables"][table];
         let columns = table["columns"].as_array().expect("columns");
-        let column = columns.iter().find(|column| column["name"] == name).unwrap_or_else(|| panic!("{name} in {table}"));
+        let column = columns.iter().find(|column| column["name"] == name).expect(name);
         let bytes = fs::read(self.folder.join(column["file"].as_str().expect("a file"))).expect("a column");
         let components = column["components"].as_u64().expect("a number") as usize;
         assert_eq!(bytes.len(), 4 * components * table["count"].as_u64().expect("a count") as usize, "{column}");
@@ -76,8 +76,10 @@ fn lambert(dump: &Dump) -> Vec<[f64; 3]> {
         weights.push(match edge_names[edge] {
             "primary" => 1.0,
             "reflected" => weights[parent] * REFLECTED[hit_bodies[parent]],
-            "refracted" => weights[parent] * REFRACTED,
-            other => panic!("{other}"),
+            other => {
+                assert_eq!(other, "refracted");
+                weights[parent] * REFRACTED
+            }
         });
     }
     let mut pixels = vec![[0.0; 3]; width * height];
