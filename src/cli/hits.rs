@@ -6,8 +6,8 @@
 //! - `hits`: pixel (row by row from the top left), pass, body, path, primitive, and the variables of the hit;
 //! - `records`: a hit and a light that reaches it, the variables of both, and the radiance and the weight of the sample
 //!   of the light. If the formula reads `visible`, there is a record for each hit and each light;
-//! - `misses`: rays that left the scene, by pixel, pass and path, their directions, and what the environment sends along
-//!   them;
+//! - `misses`: rays that left the scene, by pixel, pass and path, their directions, and what the environment sends
+//!   along them;
 //! - `paths`: the last step of each path: the path before, the kind of ray, the body that it hit.
 //!
 //! One pass after the other is traced and written.
