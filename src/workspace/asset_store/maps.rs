@@ -20,8 +20,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// The share of decoding in the whole work on an image. The rest is its map.
 const DECODING: f64 = 0.8;
 
-/// Which part of the light components below 0 may be without a warning. Many images have small ones, by compression with
-/// loss and by filters that sharpen.
+/// Which part of the light components below 0 may be without a warning. Many images have small ones, by compression
+/// with loss and by filters that sharpen.
 const NEGATIVE: f64 = 0.01;
 
 /// Maps that were read.

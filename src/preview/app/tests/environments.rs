@@ -37,7 +37,8 @@ fn an_environment_is_added_once_and_removed() {
     act(&mut harness, SceneAction::Frame);
     act(&mut harness, SceneAction::Remove);
     assert!(harness.state().workshop.world().environment().is_none());
-    for _ in 0..2 {
+    // Added, framed, removed.
+    for _ in 0..3 {
         harness.state_mut().perform(Action::Undo);
     }
     assert_eq!(harness.state().documents.scene.text(), written);
