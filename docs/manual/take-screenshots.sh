@@ -17,7 +17,7 @@ picture() {
     local name=$1
     shift
     wanted "$name" || return 0
-    "$program" render "$@" --size 400x225 --samples 16 -o "$images/$name.png"
+    "$program" render "$@" --size 400x225 --samples "${passes:-16}" -o "$images/$name.png"
 }
 
 home=$(mktemp -d)
@@ -32,6 +32,7 @@ block() {
 block first-model formula 1 > "$home/matte.formula"
 block first-model formula 2 > "$home/gloss.formula"
 block scenes scene 1 > "$home/first.scene"
+block scenes scene 5 > "$home/lamps.scene"
 block ray-weights formula 1 > "$home/fresnel.formula"
 block ray-weights formula 3 > "$home/lamp.formula"
 picture first-matte preset:studio --formula "$home/matte.formula"
@@ -43,6 +44,9 @@ picture weights-fresnel preset:glass --formula "$home/fresnel.formula" --set gla
 picture weights-lamp preset:studio --formula "$home/lamp.formula" --set ball.glow='<0.9, 0.5, 0.1>'
 picture first-scene --scene "$home/first.scene" --formula preset:phong --background '#405a80' \
     --set 'ball.Cd=<0.8,0.1,0.05>' --set 'glass.Cd=<0,0,0>' --set glass.kr=0.1 --set glass.kt=0.9 --srgb
+passes=128 picture scene-lights --scene "$home/lamps.scene" --formula preset:phong --set ka=0.02 --set sun.ki=0.25 \
+    --set 'sun.IL=<1,0.95,0.85>' --set beam.ki=0.6 --set bulb.ki=0.3 --set 'bulb.IL=<1,0.75,0.45>' --set window.ki=0.3 \
+    --set 'window.IL=<0.5,0.75,1>' --set 'ball.Cd=<0.8,0.15,0.1>' --srgb
 
 export DISPLAY=:${SCREEN:-97}
 Xvfb "$DISPLAY" -screen 0 1280x800x24 -noreset >/dev/null 2>&1 &
