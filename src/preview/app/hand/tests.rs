@@ -19,7 +19,7 @@ fn harness() -> Harness<'static, App> {
     let builder = Harness::builder().with_size(vec2(1100.0, 700.0)).with_step_dt(0.02);
     let mut harness = builder.build_ui_state(|ui, app: &mut App| app.draw(ui), app);
     let workshop = &mut harness.state_mut().workshop;
-    let small = crate::workspace::session::PictureSettings { size: [96, 64], depth: 2, ..workshop.settings() };
+    let small = crate::workspace::session::PictureSettings { size: [96, 64], depth: 2, samples: Some(1), ..workshop.settings() };
     workshop.set_picture(small).expect("a size in range");
     settle(&mut harness);
     // The controls under the picture may need another line, once its zoom is known.
