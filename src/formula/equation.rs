@@ -177,8 +177,8 @@ impl Equation {
         Self { environment, ..self }
     }
 
-    /// Whether a term is part of the equation: the scene has what it needs, and the formula does not give another in its
-    /// place.
+    /// Whether a term is part of the equation: the scene has what it needs, and the formula does not give another in
+    /// its place.
     pub fn has(&self, term: &EquationTerm) -> bool {
         (term.site != Site::Environment || self.environment.is_some())
             && term.replaced_by.is_none_or(|surface| self.surface.get(surface).is_none())
@@ -207,8 +207,8 @@ impl Equation {
         term.product(|factor| self.value(parameters, factor, self.owner_of(factor, body)))
     }
 
-    /// The index of the owner of a factor of a term without the formula, at a hit on a body or at a miss. The only light
-    /// of such terms is the environment.
+    /// The index of the owner of a factor of a term without the formula, at a hit on a body or at a miss. The only
+    /// light of such terms is the environment.
     pub fn owner_of(&self, factor: Predefined, body: usize) -> usize {
         owner_index(factor, body, self.environment.unwrap_or(0))
     }

@@ -89,8 +89,8 @@ impl Budget {
         self.check_bytes(needed, &hits.view)
     }
 
-    /// What the store of these hits and their evaluation for these lights take, in bytes, without what does not depend on
-    /// the hits.
+    /// What the store of these hits and their evaluation for these lights take, in bytes, without what does not depend
+    /// on the hits.
     pub fn kept_bytes(&self, hits: &Hits, lights: EvaluatedLights) -> u64 {
         let lit = hits.for_lights_if_known(lights);
         let counts = lit.counts();
