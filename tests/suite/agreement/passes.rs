@@ -44,7 +44,7 @@ fn with_passes(case: &mut Case, backends: &[Arc<dyn Backend>], passes: u32) {
 
 #[test]
 fn random_formulas_agree_in_every_pass() {
-    let outcome = runner(150).run(&(ingredients(), 0..4_u32), |((scalar, vector, result, numbers), pass)| {
+    let outcome = runner(40).run(&(ingredients(), 0..4_u32), |((scalar, vector, result, numbers), pass)| {
         let text = Case::text([&scalar, &vector, &result]);
         check(&Case::in_pass(text, &numbers, &backends(), SCENE, pass)?)
     });
@@ -117,7 +117,7 @@ fn drag(case: &Case, evaluator: &Arc<dyn Evaluator>, moved: &[usize], values: &[
 fn random_drags_of_passes_give_their_mean() {
     let backends = [compiled().pop().expect("a width")];
     let strategy = (ingredients(), any::<prop::sample::Index>(), any::<bool>(), proptest::collection::vec(number(), 2));
-    let outcome = runner(200).run(&strategy, |((scalar, vector, result, numbers), which, all, values)| {
+    let outcome = runner(80).run(&strategy, |((scalar, vector, result, numbers), which, all, values)| {
         let mut case = Case::in_pass(Case::text([&scalar, &vector, &result]), &numbers, &backends, SCENE, 0)?;
         with_passes(&mut case, &backends, 3);
         let index = which.index(case.layout.len());
