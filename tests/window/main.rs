@@ -42,6 +42,10 @@ impl Screen {
         BufReader::new(server.stdout.take().expect("a pipe")).read_line(&mut number).expect("a number");
         let display = format!(":{}", number.trim());
         let home = tempfile::tempdir().expect("a folder");
+        // Pictures of one pass: they are the same each time that they are taken.
+        let configuration = home.path().join("configuration");
+        std::fs::create_dir_all(&configuration).expect("a folder");
+        std::fs::write(configuration.join("settings.toml"), "version = 1\nsamples = 1\n").expect("a file");
         prepare(home.path());
         let mut window = Command::new(env!("CARGO_BIN_EXE_illuminator"));
         let named = (!session.is_empty()).then_some(session);
