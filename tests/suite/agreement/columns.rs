@@ -5,7 +5,9 @@
 //! live part for drags.
 
 use illuminator::evaluate::weights::{PathMonomials, Powers, Weight, path_weights};
-use illuminator::evaluate::{Backend, Drag, Drawn, EvaluateError, Evaluator, Footprint, Framebuffer, equation_in};
+use illuminator::evaluate::{
+    Backend, Drag, Drawn, EvaluateError, Evaluator, Footprint, Framebuffer, equation_in, evaluated_formula,
+};
 use illuminator::formula::equation::{Equation, Site};
 use illuminator::formula::graph::{Graph, Node, NodeId};
 use illuminator::formula::{Formula, Parameter, ParameterId};
@@ -43,6 +45,7 @@ impl Backend for ColumnsBackend {
 
     /// What a formula gives at every hit is not in this backend.
     fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>, _: &[f32]) -> Result<Arc<dyn Evaluator>, EvaluateError> {
+        let formula = &evaluated_formula(formula, &hits.world);
         if !formula.surface.is_empty() {
             return Err(EvaluateError::Backend("this backend has no weights of rays".to_owned()));
         }
