@@ -152,7 +152,7 @@ fn ratio(
     if let (Some(component), Some(first)) = (component, moved.first()) {
         moved = vec![first + component];
     }
-    let mut drag = Arc::clone(evaluator).drag(&moved, values.numbers(), BUDGET).expect("kernels for a slider");
+    let mut drag = Arc::clone(evaluator).drag(&moved, values.numbers(), BUDGET, None).expect("kernels for a slider");
     while !drag.prepare() {}
     if drag.pixels() == 0 {
         return None;

@@ -126,7 +126,7 @@ impl Workload {
         );
         let hits = engine.trace(&subject, &Task::UNWATCHED).expect("tracing that nobody cancels");
         let compiled = engine.prepare(&subject, &hits, &[]).expect("a formula that can be compiled");
-        let mut dragged = Arc::clone(&compiled).drag(&indices, &slider[0], DRAG_BUDGET).expect("kernels for a slider");
+        let mut dragged = Arc::clone(&compiled).drag(&indices, &slider[0], DRAG_BUDGET, None).expect("kernels for a slider");
         while !dragged.prepare() {}
         // The first frame draws everything.
         dragged.frame(&slider[0], &mut framebuffer);

@@ -230,7 +230,7 @@ impl Dragged {
     /// With a budget of 0 nothing is kept, and every tile that the slider affects is evaluated in full.
     pub(crate) fn new(stage: &Stage, slider: Slider, budget: usize) -> Self {
         let (indices, turns) = stage.script.slider_moved(slider);
-        let drag = Arc::clone(&stage.compiled).drag(&indices, &turns[0], budget).expect("kernels for a slider");
+        let drag = Arc::clone(&stage.compiled).drag(&indices, &turns[0], budget, None).expect("kernels for a slider");
         let mut dragged = Self { drag, turns: Turns::new(turns), framebuffer: stage.framebuffer() };
         while !dragged.drag.prepare() {}
         // The first frame draws everything.

@@ -3,7 +3,8 @@
 use crate::bytecode::program::{Instantiation, MAX_PROGRAM_BYTES, largest_tree};
 use crate::bytecode::{CodeTooLarge, FormulaCode, Programs};
 use crate::evaluate::{
-    Backend, Drag, Drawn, EvaluateError, Evaluator, Footprint, Framebuffer, WholeFrames, equation_in, evaluated_formula,
+    Backend, Drag, DragBeginning, Drawn, EvaluateError, Evaluator, Footprint, Framebuffer, WholeFrames, equation_in,
+    evaluated_formula,
 };
 use crate::formula::Formula;
 use crate::formula::equation::Equation;
@@ -212,9 +213,15 @@ impl Evaluator for Interpreted {
         Drawn { time, program_bytes: timing.bytes, undefined: Some(frame.clean()) }
     }
 
-    fn drag(self: Arc<Self>, _: &[usize], _: &[f32], _: usize) -> Result<Box<dyn Drag>, EvaluateError> {
+    fn drag(
+        self: Arc<Self>,
+        _: &[usize],
+        parameters: &[f32],
+        _: usize,
+        beginning: Option<&DragBeginning>,
+    ) -> Result<Box<dyn Drag>, EvaluateError> {
         let pixels = self.passes[0].pixels() as usize;
-        Ok(Box::new(WholeFrames::new(self, pixels)))
+        Ok(Box::new(WholeFrames::new(self, pixels, parameters, beginning)))
     }
 
     fn bytes(&self) -> usize {

@@ -281,7 +281,7 @@ fn drag(
         moved = vec![first + component];
     }
     let start = Instant::now();
-    let drag = Arc::clone(evaluator).drag(&moved, values.numbers(), DRAG_BUDGET);
+    let drag = Arc::clone(evaluator).drag(&moved, values.numbers(), DRAG_BUDGET, None);
     let mut drag = drag.map_err(|error| Failure::input(error.to_string()))?;
     while !drag.prepare() {}
     let prepare_ms = milliseconds(start.elapsed());

@@ -6,6 +6,17 @@ use crate::plan::Method;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+/// What a drag of a picture of several passes begins with. Frames that evaluate passes evaluate only some of them, and
+/// show what these change in the picture: `picture + mean of the passes with the new numbers − their mean with the old
+/// ones`. Images of few passes are used in the same way, until those of all passes are ready.
+#[derive(Debug, Clone)]
+pub struct DragBeginning {
+    /// The picture of all passes with the numbers before the drag.
+    pub picture: Arc<Frame>,
+    /// How many passes a frame evaluates, at least 1.
+    pub passes: usize,
+}
+
 /// A slider that is held: pictures in which only some numbers of one owner move.
 pub trait Drag: Send {
     /// How pictures are made once everything is prepared.
@@ -19,12 +30,6 @@ pub trait Drag: Send {
     /// # Panics
     /// Where the framebuffer has another size than the view, or there are too few parameter numbers.
     fn frame(&mut self, parameters: &[f32], framebuffer: &mut Framebuffer);
-
-    /// Begins with the picture of all passes with the numbers before the drag. Frames that evaluate passes evaluate
-    /// only this many of them, at least 1, and show what these change in the picture: `picture + mean of the passes
-    /// with the new numbers − their mean with the old ones`. Images of few passes are used in the same way, until those
-    /// of all passes are ready. It is called before the first frame, if at all.
-    fn begin_with(&mut self, picture: &Arc<Frame>, numbers: &[f32], passes: usize);
 
     /// The linear picture of these numbers, if the drag knows it without evaluating passes: the mean of all passes, but
     /// for rounding.
@@ -64,9 +69,14 @@ enum Rest {
 }
 
 impl WholeFrames {
-    /// A drag with pictures by this evaluator, of this many pixels.
-    pub fn new(evaluator: Arc<dyn Evaluator>, pixels: usize) -> Self {
-        Self { evaluator, pixels, some: None }
+    /// A drag with pictures by this evaluator, of this many pixels. It may begin with the picture of these numbers.
+    pub fn new(evaluator: Arc<dyn Evaluator>, pixels: usize, numbers: &[f32], beginning: Option<&DragBeginning>) -> Self {
+        let all = evaluator.passes();
+        let some = |DragBeginning { picture, passes }: &DragBeginning| {
+            let rest = Rest::Picture(Arc::clone(picture), numbers.to_vec());
+            (*passes < all).then(|| ((*passes).max(1), rest))
+        };
+        Self { some: beginning.and_then(some), evaluator, pixels }
     }
 }
 
@@ -93,11 +103,6 @@ impl Drag for WholeFrames {
             frame.add(rest);
             framebuffer.set(&frame);
         }
-    }
-
-    fn begin_with(&mut self, picture: &Arc<Frame>, numbers: &[f32], passes: usize) {
-        let all = self.evaluator.passes();
-        self.some = (passes < all).then(|| (passes.max(1), Rest::Picture(Arc::clone(picture), numbers.to_vec())));
     }
 
     fn prepare(&mut self) -> bool {

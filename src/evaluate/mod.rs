@@ -15,7 +15,7 @@ pub mod inspect;
 pub mod review;
 pub mod weights;
 
-pub use drag::{Drag, WholeFrames};
+pub use drag::{Drag, DragBeginning, WholeFrames};
 pub use framebuffer::Framebuffer;
 pub(crate) use framebuffer::{Part, write, write_component};
 
@@ -128,14 +128,20 @@ pub trait Evaluator: Send + Sync {
     fn draw(&self, parameters: &[f32], framebuffer: &mut Framebuffer) -> Drawn;
 
     /// Starts a drag of numbers of one owner. `moved` are their indices in `parameters`, which holds the values before
-    /// the drag. The drag keeps at most `budget` bytes.
+    /// the drag. The drag keeps at most `budget` bytes. It may begin with a picture.
     ///
     /// # Errors
     /// The backend does not support drags of this formula. Pictures can still be drawn in full.
     ///
     /// # Panics
     /// Where there are too few parameter numbers.
-    fn drag(self: Arc<Self>, moved: &[usize], parameters: &[f32], budget: usize) -> Result<Box<dyn Drag>, EvaluateError>;
+    fn drag(
+        self: Arc<Self>,
+        moved: &[usize],
+        parameters: &[f32],
+        budget: usize,
+        beginning: Option<&DragBeginning>,
+    ) -> Result<Box<dyn Drag>, EvaluateError>;
 
     /// The memory that is kept between frames, in bytes: stored hits and columns.
     fn bytes(&self) -> usize;

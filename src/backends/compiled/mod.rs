@@ -22,7 +22,9 @@ mod tile;
 mod variant_columns;
 
 use crate::evaluate::weights::{PathMonomials, Weight, path_weights};
-use crate::evaluate::{Backend, Drawn, EvaluateError, Evaluator, Footprint, Framebuffer, Part, equation_in, evaluated_formula};
+use crate::evaluate::{
+    Backend, DragBeginning, Drawn, EvaluateError, Evaluator, Footprint, Framebuffer, Part, equation_in, evaluated_formula,
+};
 use crate::formula::Formula;
 use crate::formula::equation::{Equation, Site};
 use crate::jit::compile::Contribution;
@@ -477,8 +479,9 @@ impl Evaluator for Compiled {
         moved: &[usize],
         parameters: &[f32],
         budget: usize,
+        beginning: Option<&DragBeginning>,
     ) -> Result<Box<dyn crate::evaluate::Drag>, EvaluateError> {
-        Ok(Box::new(CompiledDrag::new(&self, moved, parameters, budget)?))
+        Ok(Box::new(CompiledDrag::new(&self, moved, parameters, budget, beginning)?))
     }
 
     /// What is stored of the passes, and scratch memory.

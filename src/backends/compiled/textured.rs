@@ -2,7 +2,7 @@
 //! needs other columns.
 
 use crate::backends::compiled::Compiled;
-use crate::evaluate::{Drag, Drawn, EvaluateError, Evaluator, Framebuffer, WholeFrames};
+use crate::evaluate::{Drag, DragBeginning, Drawn, EvaluateError, Evaluator, Framebuffer, WholeFrames};
 use crate::formula::Formula;
 use crate::jit::CompiledFormula;
 use crate::picture::Frame;
@@ -82,13 +82,19 @@ impl Evaluator for Textured {
         })
     }
 
-    fn drag(self: Arc<Self>, moved: &[usize], parameters: &[f32], budget: usize) -> Result<Box<dyn Drag>, EvaluateError> {
+    fn drag(
+        self: Arc<Self>,
+        moved: &[usize],
+        parameters: &[f32],
+        budget: usize,
+        beginning: Option<&DragBeginning>,
+    ) -> Result<Box<dyn Drag>, EvaluateError> {
         let compiled = self.with(parameters)?;
         if moved.iter().any(|index| compiled.textures.has(*index)) {
             let pixels = self.hits[0].view.pixels() as usize;
-            return Ok(Box::new(WholeFrames::new(self, pixels)));
+            return Ok(Box::new(WholeFrames::new(self, pixels, parameters, beginning)));
         }
-        let own = Arc::clone(&compiled).drag(moved, parameters, budget)?;
+        let own = Arc::clone(&compiled).drag(moved, parameters, budget, beginning)?;
         Ok(Box::new(TexturedDrag { evaluator: self, compiled, own, moved: moved.to_vec(), budget }))
     }
 
@@ -115,16 +121,12 @@ impl Drag for TexturedDrag {
     fn frame(&mut self, parameters: &[f32], framebuffer: &mut Framebuffer) {
         if !self.compiled.textures.are_in(parameters)
             && let Ok(compiled) = self.evaluator.with(parameters)
-            && let Ok(own) = Arc::clone(&compiled).drag(&self.moved, parameters, self.budget)
+            && let Ok(own) = Arc::clone(&compiled).drag(&self.moved, parameters, self.budget, None)
         {
             self.own = own;
             self.compiled = compiled;
         }
         self.own.frame(parameters, framebuffer);
-    }
-
-    fn begin_with(&mut self, picture: &Arc<Frame>, numbers: &[f32], passes: usize) {
-        self.own.begin_with(picture, numbers, passes);
     }
 
     fn linear(&self, parameters: &[f32]) -> Option<Frame> {

@@ -2,7 +2,7 @@
 
 use crate::engine::{EngineError, Subject};
 use crate::evaluate::review::{PictureFinding, PictureSummary, ReviewedPicture, review};
-use crate::evaluate::{Drag, Evaluator, Framebuffer, WholeFrames};
+use crate::evaluate::{Drag, DragBeginning, Evaluator, Framebuffer, WholeFrames};
 use crate::formula::Formula;
 use crate::picture::Frame;
 use crate::plan::Method;
@@ -114,13 +114,12 @@ impl DrawingWorker {
 
     /// Prepares a part of the drag. Another thread plans and compiles it, and calls `done` at its end.
     pub(super) fn prepare(&mut self, done: impl FnOnce() + Send + 'static) {
-        let soon = self.ready.as_ref().map_or(1, |(_, ready)| self.soon(ready));
-        let (Some(Held { indices, drag, .. }), Some((of, ready))) = (&mut self.held, &self.ready) else { return };
-        let beginning = self.linear.as_ref().filter(|linear| Arc::ptr_eq(&linear.hits, of) && ready.passes() > 1);
-        let beginning = beginning.map(|linear| (Arc::clone(&linear.frame), linear.numbers.clone(), soon));
-        *drag = match std::mem::replace(drag, Readiness::Impossible) {
+        let Some((hits, ready)) = self.ready.clone() else { return };
+        let Some(Held { indices, drag, interim }) = self.held.take() else { return };
+        let drag = match drag {
             Readiness::First(numbers) => {
-                let (ready, indices) = (Arc::clone(ready), indices.clone());
+                let beginning = self.beginning(&ready, &hits).map(|(beginning, before)| (beginning, before.to_vec()));
+                let indices = indices.clone();
                 let is_done = Arc::new(AtomicBool::new(false));
                 let told = Arc::clone(&is_done);
                 let make = move || {
@@ -142,6 +141,7 @@ impl DrawingWorker {
             }
             other @ (Readiness::Making(..) | Readiness::Impossible) => other,
         };
+        self.held = Some(Held { indices, drag, interim });
     }
 
     /// Draws a picture into a buffer from `room`.
@@ -231,11 +231,9 @@ impl DrawingWorker {
         }
         self.ready = Some((of, Arc::clone(&ready)));
         let Some(linear) = self.linear.as_mut().filter(|linear| linear.is_of(hits, numbers)) else { return Ok(None) };
-        let (sum, evaluated) = linear.sum.take().unzip();
-        let (all, mut evaluated) = (ready.passes(), evaluated.unwrap_or(0));
-        let mut sum = sum;
+        let (mut sum, first) = linear.sum.take().map_or((None, 0), |(sum, passes)| (Some(sum), passes));
+        let (all, mut evaluated) = (ready.passes(), first);
         let evaluation = Instant::now();
-        let first = evaluated;
         while evaluated < all {
             // From nothing, all at once, else pass by pass: the order of additions is the same.
             let passes = if sum.is_some() { evaluated..evaluated + 1 } else { 0..all };
@@ -247,7 +245,7 @@ impl DrawingWorker {
             }
         }
         let is_done = evaluated == all;
-        if is_done && all > first {
+        if is_done {
             // Fewer than 2³² passes.
             self.pass_time = evaluation.elapsed() / (all - first) as u32;
         }
@@ -272,15 +270,18 @@ impl DrawingWorker {
         if fitting == all { all } else { 1 << fitting.ilog2() }
     }
 
+    /// What a drag of several passes begins with, and the numbers of that picture.
+    fn beginning(&self, ready: &Arc<dyn Evaluator>, hits: &Arc<Hits>) -> Option<(DragBeginning, &[f32])> {
+        let linear = self.linear.as_ref().filter(|linear| Arc::ptr_eq(&linear.hits, hits) && ready.passes() > 1)?;
+        Some((DragBeginning { picture: Arc::clone(&linear.frame), passes: self.soon(ready) }, &linear.numbers))
+    }
+
     /// Takes a slider. Where there are several passes, few of them are evaluated until the drag is made.
     fn take_hold(&self, ready: &Arc<dyn Evaluator>, hits: &Arc<Hits>, numbers: &[f32], indices: Vec<usize>) -> Held {
         let interim = (ready.passes() > 1).then(|| {
-            let pixels = hits.view.pixels() as usize;
-            let mut interim = WholeFrames::new(Arc::clone(ready), pixels);
-            if let Some(linear) = self.linear.as_ref().filter(|linear| Arc::ptr_eq(&linear.hits, hits)) {
-                interim.begin_with(&linear.frame, &linear.numbers, self.soon(ready));
-            }
-            interim
+            let (beginning, before) = self.beginning(ready, hits).unzip();
+            let (pixels, before) = (hits.view.pixels() as usize, before.unwrap_or(numbers));
+            WholeFrames::new(Arc::clone(ready), pixels, before, beginning.as_ref())
         });
         Held { indices, drag: Readiness::First(numbers.to_vec()), interim }
     }
@@ -407,7 +408,9 @@ impl DrawingWorker {
     pub(super) fn review(&mut self, request: &RenderRequest, hits: &Hits, numbers: &[f32]) -> Option<Option<PictureFinding>> {
         let summary = self.unreviewed.take()?;
         let Subject { formula, world, view } = &request.subject;
-        let picture = ReviewedPicture { formula, world, view, passes: 1, numbers, transform: request.transform };
+        // Fewer than 2³² passes.
+        let passes = self.linear.as_ref().map_or(1, |last| last.passes.shown as u32);
+        let picture = ReviewedPicture { formula, world, view, passes, numbers, transform: request.transform };
         Some(summary.filter(|_| hits.view == *view).and_then(|summary| review(&picture, &summary)))
     }
 
@@ -433,12 +436,14 @@ impl DrawingWorker {
     /// The evaluator of these hits, and whether it is new. The next picture is that of these numbers.
     fn evaluator(
         &mut self,
-        RenderRequest { subject, engine, .. }: &RenderRequest,
+        request: &RenderRequest,
         hits: &Arc<Hits>,
         numbers: &[f32],
     ) -> Result<(Arc<dyn Evaluator>, bool), EngineError> {
+        // Of fewer passes than before there is another evaluator.
         if let Some((of, ready)) = &self.ready
             && Arc::ptr_eq(of, hits)
+            && ready.passes() <= request.samples as usize
         {
             return Ok((Arc::clone(ready), false));
         }
@@ -447,7 +452,7 @@ impl DrawingWorker {
         self.ready = None;
         self.linear = None;
         self.cannot_refine = false;
-        let made = engine.prepare(subject, hits, numbers)?;
+        let made = request.engine.prepare(&request.subject, hits, numbers)?;
         self.ready = Some((Arc::clone(hits), Arc::clone(&made)));
         Ok((made, true))
     }
@@ -465,24 +470,22 @@ impl DrawingWorker {
     }
 }
 
-/// Plans and compiles a drag. With several passes, it begins with a picture and its numbers, and evaluates the given
-/// number of passes. `None` if that is not possible: other numbers have changed too, or the backend has no drags.
+/// Plans and compiles a drag. With several passes, it begins with a picture of these numbers. `None` if that is not
+/// possible: other numbers have changed too, or the backend has no drags.
 fn begin_drag(
     ready: &Arc<dyn Evaluator>,
     indices: &[usize],
     numbers: &[f32],
-    beginning: Option<(Arc<Frame>, Vec<f32>, usize)>,
+    beginning: Option<(DragBeginning, Vec<f32>)>,
 ) -> Option<Box<dyn Drag>> {
-    let Some((frame, before, passes)) = beginning else {
-        return if ready.passes() > 1 { None } else { Arc::clone(ready).drag(indices, numbers, DRAG_BYTES).ok() };
+    let Some((beginning, before)) = beginning else {
+        return if ready.passes() > 1 { None } else { Arc::clone(ready).drag(indices, numbers, DRAG_BYTES, None).ok() };
     };
     let changed = |(index, (one, other)): (usize, (&f32, &f32))| one.to_bits() != other.to_bits() && !indices.contains(&index);
     if before.len() != numbers.len() || before.iter().zip(numbers).enumerate().any(changed) {
         return None;
     }
-    let mut drag = Arc::clone(ready).drag(indices, &before, DRAG_BYTES).ok()?;
-    drag.begin_with(&frame, &before, passes);
-    Some(drag)
+    Arc::clone(ready).drag(indices, &before, DRAG_BYTES, Some(&beginning)).ok()
 }
 
 /// How many passes there will be of those that were traced, the first one included.

@@ -293,6 +293,9 @@ fn passes_arrive_one_after_the_other_and_a_slider_begins_with_all_of_them() {
     let more = renderer.show(RenderRequest { samples: 7, ..request.clone() }, values.numbers());
     wait_for_passes(&renderer, more, 7);
     assert_eq!(renderer.passes(), [7, 7]);
+    let fewer = renderer.show(request.clone(), values.numbers());
+    assert!(wait_for_passes(&renderer, fewer, 5).pixels == mean(&values));
+    assert_eq!(renderer.passes(), [5, 5]);
 }
 
 #[test]

@@ -170,11 +170,15 @@ fn trace_passes(shared: &RendererState, events: &Sender<Event>, RenderRequest { 
         !wanted.quit
             && wanted.request.as_ref().is_some_and(|request| request.subject.same_hits(subject) && request.samples == *samples)
     };
+    // The first pass may not have all pixels: a request that came meanwhile has ended it.
+    let first = shared.wanted().hits.clone().filter(|traced| traced.hits.view == subject.view);
+    let Some(TracedHits { hits: first, more, .. }) = first else { return };
+    // All passes take about as much as the first.
+    let bytes = engine.kept_bytes(subject, &first).unwrap_or(u64::MAX);
     let limit = engine.memory();
-    let (mut bytes, mut time) = (0, Duration::ZERO);
-    let known = shared.wanted().hits.as_ref().map_or(0, |traced| traced.more.len());
+    let mut time = Duration::ZERO;
     // No more than wanted, which are 32 bits.
-    let mut pass = (known as u32 + 1).min(*samples);
+    let mut pass = (more.len() as u32 + 1).min(*samples);
     shared.passes[0].store(pass, Ordering::Relaxed);
     shared.passes[1].store(*samples, Ordering::Relaxed);
     while pass < *samples {
@@ -183,11 +187,9 @@ fn trace_passes(shared: &RendererState, events: &Sender<Event>, RenderRequest { 
             while is_current(&wanted) && wanted.held.is_some() {
                 wanted = shared.wait(wanted);
             }
-            let Some(traced) = wanted.hits.as_ref().filter(|_| is_current(&wanted)) else { return };
-            if bytes == 0 {
-                bytes = engine.kept_bytes(subject, &traced.hits).unwrap_or(u64::MAX);
+            if !is_current(&wanted) {
+                return;
             }
-            // All passes take about as much as the first.
             if bytes.saturating_mul(u64::from(pass) + 1) > limit {
                 break;
             }

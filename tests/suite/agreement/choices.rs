@@ -145,7 +145,7 @@ fn formulas_that_choose_are_dragged() {
 /// evaluator. Each value is drawn three times: when it is new, and when what it chooses has columns or is prepared.
 fn check([dragged, full]: &[Arc<dyn Evaluator>; 2], subject: &Subject, moved: usize, start: &[f32], values: [f32; 4]) {
     let mut numbers = start.to_vec();
-    let mut drag = Arc::clone(dragged).drag(&[moved], &numbers, usize::MAX).expect("a drag");
+    let mut drag = Arc::clone(dragged).drag(&[moved], &numbers, usize::MAX, None).expect("a drag");
     let mut drawn = Framebuffer::black(subject.view.width(), subject.view.height(), VIEWS[1]);
     for (turn, value) in values.into_iter().enumerate() {
         numbers[moved] = value;

@@ -4,6 +4,7 @@
 //! It does what every backend must do: static and uniform values, contributions weighted by path, and images or the
 //! live part for drags.
 
+use illuminator::evaluate::DragBeginning;
 use illuminator::evaluate::weights::{PathMonomials, Powers, Weight, path_weights};
 use illuminator::evaluate::{
     Backend, Drag, Drawn, EvaluateError, Evaluator, Footprint, Framebuffer, equation_in, evaluated_formula,
@@ -311,7 +312,13 @@ impl Evaluator for ColumnsEvaluator {
         Drawn::timed(|| framebuffer.set(&self.frame(parameters)))
     }
 
-    fn drag(self: Arc<Self>, moved: &[usize], parameters: &[f32], budget: usize) -> Result<Box<dyn Drag>, EvaluateError> {
+    fn drag(
+        self: Arc<Self>,
+        moved: &[usize],
+        parameters: &[f32],
+        budget: usize,
+        _: Option<&DragBeginning>,
+    ) -> Result<Box<dyn Drag>, EvaluateError> {
         let numbers = moved_parameters(&self.equation.layout, &self.parameters, moved);
         let moving: Vec<_> = numbers.into_iter().map(|(_, id, component)| (id, component)).collect();
         let slider = Arc::new(SliderPlan::new(&self.plan.bindings, &moving));
@@ -451,8 +458,6 @@ impl Drag for ColumnsDrag {
         let frame = |linear| Frame { width: view.width(), height: view.height(), linear };
         framebuffer.set(&self.picture(parameters).map_or_else(|| self.evaluator.frame(parameters), frame));
     }
-
-    fn begin_with(&mut self, _: &Arc<Frame>, _: &[f32], _: usize) {}
 
     fn prepare(&mut self) -> bool {
         if self.is_ready {

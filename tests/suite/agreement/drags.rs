@@ -89,7 +89,7 @@ pub(super) fn drag(
 ) -> Result<Method, TestCaseError> {
     let failed = |error: &dyn std::fmt::Display| TestCaseError::fail(error.to_string());
     let mut memory = case.memory.clone();
-    let drag = Arc::clone(evaluator).drag(moved, &memory, usize::MAX);
+    let drag = Arc::clone(evaluator).drag(moved, &memory, usize::MAX, None);
     let mut drag = drag.map_err(|error| failed(&error))?;
     let mut drawn = Framebuffer::black(SIZE.0, SIZE.1, view);
     for turn in 0..values.len() {

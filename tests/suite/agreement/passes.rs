@@ -6,7 +6,7 @@ use crate::agreement::formulas::{Case, SIZE, check, ingredients, number, runner}
 use crate::agreement::{backends, compiled};
 use illuminator::backends::compiled::Jit;
 use illuminator::engine::{Engine, Subject, Task};
-use illuminator::evaluate::{Backend, Evaluator, Framebuffer};
+use illuminator::evaluate::{Backend, DragBeginning, Evaluator, Framebuffer};
 use illuminator::picture::{Frame, Transfer};
 use illuminator::plan::Method;
 use illuminator::trace::View;
@@ -93,6 +93,24 @@ fn weights_of_rays_weigh_what_rays_see_of_the_environment() {
     }
 }
 
+#[test]
+fn drags_of_passes_with_weights_of_rays_give_their_mean() {
+    let backends = [compiled().pop().expect("a width")];
+    for formula in [
+        "reflected = kr*Cd; refracted = kt; = IL*Cd*max(0, N.L);",
+        // Weights that are not bounded: such a picture is no sum of images.
+        "reflected = kr/(gety(N) - gety(N)); refracted = kt*1e20; = IL*Cd*max(0, N.L);",
+    ] {
+        let numbers = [0.5, 0.7, 0.9, 0.4, 0.6];
+        let mut case = Case::in_pass(format!("formula; {formula}"), &numbers, &backends, SCENE, 0).expect("a formula");
+        with_passes(&mut case, &backends, 3);
+        for index in 0..case.layout.len() {
+            let dragged = drag(&case, &case.evaluators[0], &[index], &[0.2, 0.8, 0.0]);
+            dragged.unwrap_or_else(|error| panic!("{formula}: {error}"));
+        }
+    }
+}
+
 static METHODS: [AtomicUsize; 3] = [const { AtomicUsize::new(0) }; 3];
 
 /// Drags numbers through values, from scratch and from the picture of all passes.
@@ -101,14 +119,14 @@ fn drag(case: &Case, evaluator: &Arc<dyn Evaluator>, moved: &[usize], values: &[
     let failed = |error: &dyn std::fmt::Display| TestCaseError::fail(error.to_string());
     let mut method = Method::General;
     for begins in [false, true] {
-        let drag = Arc::clone(evaluator).drag(moved, &case.memory, usize::MAX);
-        let mut drag = drag.map_err(|error| failed(&error))?;
         let mut cleaned = Frame::clone(&picture);
         let is_finite = picture.linear.as_flattened().iter().all(|number| number.abs() < 1e3);
         cleaned.clean();
+        let beginning = begins.then(|| DragBeginning { picture: Arc::new(cleaned), passes: 1 });
+        let drag = Arc::clone(evaluator).drag(moved, &case.memory, usize::MAX, beginning.as_ref());
+        let mut drag = drag.map_err(|error| failed(&error))?;
         let mut drawn = Framebuffer::black(SIZE.0, SIZE.1, VIEWS[1]);
         if begins {
-            drag.begin_with(&Arc::new(cleaned), &case.memory, 1);
             drag.frame(&case.memory, &mut drawn);
             if is_finite {
                 prop_assert_eq!(wrong(&drawn, &picture), 0, "the numbers have not moved: {}", &case.text);

@@ -79,7 +79,7 @@ impl Model {
     pub(super) fn drag(&self, slider: &str, budget: usize) -> Box<dyn Drag> {
         let (owner, id) = self.slider(slider);
         let moved = self.values.moved_indices(owner, id);
-        Arc::clone(&self.compiled).drag(&moved, self.values.numbers(), budget).expect("kernels of ordinary size")
+        Arc::clone(&self.compiled).drag(&moved, self.values.numbers(), budget, None).expect("kernels of ordinary size")
     }
 
     fn slider(&self, label: &str) -> (OwnerId, ParameterId) {

@@ -150,7 +150,7 @@ fn textures_are_replaced_while_a_slider_is_held() {
     let (wood, slide, held) = (index("wood", 0), index("slide", 0), [index("p", 0), index("q", 0)]);
     let evaluator = &case.evaluators[0];
     for moved in held {
-        let mut drag = Arc::clone(evaluator).drag(&[moved], &case.memory, usize::MAX).expect("a drag");
+        let mut drag = Arc::clone(evaluator).drag(&[moved], &case.memory, usize::MAX, None).expect("a drag");
         let mut shown = Framebuffer::black(SIZE.0, SIZE.1, VIEWS[1]);
         let mut pictures = Vec::new();
         for (step, [on_body, in_light]) in [[1.0, 1.0], [0.0, 1.0], [0.0, 0.0], [1.0, 0.0], [1.0, 1.0]].into_iter().enumerate() {

@@ -33,7 +33,7 @@ mod work;
 use crate::backends::compiled::Compiled;
 use crate::backends::compiled::chosen::DragVariants;
 use crate::backends::compiled::tile::TileScratch;
-use crate::evaluate::{Drag, Framebuffer, Part};
+use crate::evaluate::{Drag, DragBeginning, Framebuffer, Part};
 use crate::jit::CompileError;
 use crate::picture::{Frame, rest_of};
 use crate::plan::Method;
@@ -41,11 +41,12 @@ use estimate::FrameEstimate;
 use images::{Key, factor_of};
 use preparation::Preparation;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use std::sync::{Arc, OnceLock};
 use summations::{DragKernels, DragPasses};
 use tile_state::{LivePart, TileDrag, TileState, TileWork};
 use whole::WholeSummations;
-use work::{WorkList, full_cost};
+use work::{WorkItem, WorkList, full_cost};
 
 /// A slider that is held: frames in which only some numbers of one owner move.
 pub(super) struct CompiledDrag {
@@ -70,7 +71,7 @@ pub(super) struct CompiledDrag {
 
 impl CompiledDrag {
     /// Begins a drag of numbers of one owner. `moved` are their indices in `parameters`, which holds the values before
-    /// the drag. At most `budget` bytes are stored.
+    /// the drag. At most `budget` bytes are stored. It may begin with a picture of these values.
     ///
     /// # Errors
     /// The kernels are too large for the code generator.
@@ -82,17 +83,19 @@ impl CompiledDrag {
         moved: &[usize],
         parameters: &[f32],
         budget: usize,
+        beginning: Option<&DragBeginning>,
     ) -> Result<Self, CompileError> {
         compiled.check_parameters(parameters);
         let kernels = DragKernels::new(compiled, moved)?;
+        let all = compiled.passes.len();
         let mut drag = Self {
             compiled: Arc::clone(compiled),
             kernels,
             estimate: FrameEstimate::default(),
             parameters: Vec::new(),
             tiles: Vec::new(),
-            picture: None,
-            passes: compiled.passes.len(),
+            picture: beginning.map(|beginning| Arc::clone(&beginning.picture)),
+            passes: beginning.map_or(all, |beginning| beginning.passes.clamp(1, all)),
             drawn: false,
             new_choices: None,
             budget,
@@ -119,11 +122,6 @@ impl CompiledDrag {
         self.parameters = parameters.to_vec();
         self.drawn = false;
         self.estimate = FrameEstimate::new(&self.compiled, &self.kernels, parameters);
-        self.list_work();
-    }
-
-    /// Begins the preparation again.
-    fn list_work(&mut self) {
         let compiled = &*self.compiled;
         let plan = &self.kernels.plan;
         let list = WorkList {
@@ -160,9 +158,8 @@ impl CompiledDrag {
     fn next_counts(&self) -> Vec<usize> {
         let mut rest = full_cost(&self.compiled);
         let mut counts: Vec<usize> = vec![0; self.tiles.len()];
-        let left = |tile: &TileDrag| tile.work.as_ref().map_or(&[][..], TileWork::left).to_vec();
-        let left: Vec<Vec<_>> = self.tiles.iter().map(left).collect();
-        let stages: std::collections::BTreeSet<u32> = left.iter().flatten().map(|item| item.stage).collect();
+        let left: Vec<&[WorkItem]> = self.tiles.iter().map(|tile| tile.work.as_ref().map_or(&[][..], TileWork::left)).collect();
+        let stages: BTreeSet<u32> = left.iter().copied().flatten().map(|item| item.stage).collect();
         'stages: for stage in stages {
             for (items, count) in left.iter().zip(&mut counts) {
                 for item in items[*count..].iter().take_while(|item| item.stage == stage) {
@@ -202,12 +199,6 @@ impl Drag for CompiledDrag {
 
     fn is_ready(&self) -> bool {
         self.tiles.iter().all(|tile| tile.work.is_none())
-    }
-
-    fn begin_with(&mut self, picture: &Arc<Frame>, numbers: &[f32], passes: usize) {
-        self.picture = Some(Arc::clone(picture));
-        self.passes = passes.clamp(1, self.compiled.passes.len());
-        self.restart(numbers);
     }
 
     fn linear(&self, parameters: &[f32]) -> Option<Frame> {

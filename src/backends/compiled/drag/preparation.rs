@@ -34,15 +34,19 @@ impl Preparation<'_> {
         let Some(item) = work.left().first().cloned() else { return };
         work.done += 1;
         let (plan, compiled) = (self.drag.plan, self.drag.compiled);
+        let mut may_give_up = matches!(item.work, Work::Base | Work::BaseOfPicture(_));
         match item.work {
             Work::Columns(passes) => {
                 work.columns =
                     passes.filter_map(|pass| self.summations.columns(compiled, TilePlace { pass, tile: index })).collect();
             }
-            Work::Image(key, passes) => {
-                let touched = self.summations.make_image(&self.drag, key, passes, index, scratch);
-                work.add(Image::new(key, &scratch.planes, &touched, plan.channels), plan.channels);
-            }
+            Work::Image(key, passes) => match self.summations.make_image(&self.drag, key, passes, index, scratch) {
+                Some(touched) => work.add(Image::new(key, &scratch.planes, &touched, plan.channels), plan.channels),
+                None => {
+                    tile.state = TileState::Whole(None);
+                    may_give_up = true;
+                }
+            },
             Work::Base => {
                 let passes = compiled.passes.len();
                 let is_unbounded = self.summations.make_base(&self.drag, index, scratch);
@@ -65,17 +69,9 @@ impl Preparation<'_> {
             }
         }
         // Where images of few passes do not help, those of more passes do not either.
-        let gives_up = !work.images.is_empty() && work.done > 0 && self.has_given_up(&tile.state, work);
-        if work.left().is_empty() || gives_up {
+        if work.left().is_empty() || may_give_up && matches!(tile.state, TileState::Whole(_)) {
             tile.work = None;
         }
-    }
-
-    /// Whether the last item was a base, and the tile is drawn by evaluating passes all the same.
-    fn has_given_up(&self, state: &TileState, work: &TileWork) -> bool {
-        let last = work.done.checked_sub(1).and_then(|last| work.items.get(last));
-        let is_base = last.is_some_and(|item| matches!(item.work, Work::Base | Work::BaseOfPicture(_)));
-        is_base && matches!(state, TileState::Whole(_))
     }
 
     /// Sets the planes to the picture that the drag begins with, without the images of this many passes.

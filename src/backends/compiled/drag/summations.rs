@@ -185,7 +185,8 @@ impl DragKernels {
 
 impl Summations<'_> {
     /// Makes the sum of some passes of the image of this key for a tile, in the planes of the scratch memory. Returns
-    /// the cells in which it may differ from 0.
+    /// the cells in which it may differ from 0. `None` if a weight of a path is not bounded: then the picture is not a
+    /// sum of images.
     pub(super) fn make_image(
         &self,
         drag: &DragPasses,
@@ -193,7 +194,7 @@ impl Summations<'_> {
         passes: Range<usize>,
         tile: usize,
         scratch: &mut TileScratch,
-    ) -> CellSet {
+    ) -> Option<CellSet> {
         let DragPasses { compiled, plan, parameters } = *drag;
         let reach = Reach { plan, world: compiled.world(), has_fixed: plan.slider.fixed.is_some() };
         let mut touched = CellSet::none(compiled.first_tiles()[tile].pixels.len());
@@ -206,6 +207,9 @@ impl Summations<'_> {
                 Some(term) => self.terms[term].run_once(own, place, accumulate, scratch),
                 None => self.add_fixed(own, place, accumulate, scratch),
             }
+            if scratch.is_unbounded() {
+                return None;
+            }
             accumulate = Accumulate::Add;
             for group in own.groups.iter().filter(|group| reach.emitters_of(group, key.term).is_some()) {
                 add_cells(own, own.spans_of(group), &scratch.weights, &mut touched);
@@ -216,7 +220,7 @@ impl Summations<'_> {
                 }
             }
         }
-        touched
+        Some(touched)
     }
 
     /// Makes the mean of all passes of the image of everything that does not move, in the planes of the scratch memory.

@@ -75,7 +75,8 @@ fn left(drag: &CompiledDrag) -> (usize, u64) {
 fn preparing_takes_no_more_at_a_time_than_a_full_evaluation() {
     let (compiled, values) = session();
     for slider in SLIDERS {
-        let mut drag = CompiledDrag::new(&compiled, &moved_by(&values, slider), values.numbers(), usize::MAX).expect("kernels");
+        let mut drag =
+            CompiledDrag::new(&compiled, &moved_by(&values, slider), values.numbers(), usize::MAX, None).expect("kernels");
         let full = full_cost(&compiled);
         let (all, total) = left(&drag);
         assert!(all > 0 && !drag.is_ready(), "{slider}");
@@ -105,7 +106,7 @@ fn preparing_takes_no_more_at_a_time_than_a_full_evaluation() {
 fn nothing_is_kept_without_a_budget() {
     let (compiled, values) = session();
     for slider in SLIDERS {
-        let mut drag = CompiledDrag::new(&compiled, &moved_by(&values, slider), values.numbers(), 0).expect("kernels");
+        let mut drag = CompiledDrag::new(&compiled, &moved_by(&values, slider), values.numbers(), 0, None).expect("kernels");
         while !drag.prepare() {
             assert_eq!(drag.bytes(), 0, "{slider}");
         }
@@ -124,11 +125,13 @@ fn nothing_is_kept_without_a_budget() {
 fn what_is_counted_is_what_is_kept() {
     let (compiled, values) = session();
     for slider in SLIDERS {
-        let mut drag = CompiledDrag::new(&compiled, &moved_by(&values, slider), values.numbers(), usize::MAX).expect("kernels");
+        let mut drag =
+            CompiledDrag::new(&compiled, &moved_by(&values, slider), values.numbers(), usize::MAX, None).expect("kernels");
         while !drag.prepare() {}
         let needed = drag.bytes();
         assert!(needed > 0, "{slider}");
-        let mut tight = CompiledDrag::new(&compiled, &moved_by(&values, slider), values.numbers(), needed / 2).expect("kernels");
+        let mut tight =
+            CompiledDrag::new(&compiled, &moved_by(&values, slider), values.numbers(), needed / 2, None).expect("kernels");
         loop {
             let ready = tight.prepare();
             assert!(tight.bytes() <= needed / 2, "{slider}: {} bytes of {needed}", tight.bytes());
@@ -160,7 +163,8 @@ fn stored_data_is_kept_only_where_it_is_faster() {
         (layers, "wall.a", Method::Images),
     ] {
         let (compiled, values) = on_wall(formula);
-        let mut drag = CompiledDrag::new(&compiled, &moved_by(&values, slider), values.numbers(), usize::MAX).expect("kernels");
+        let mut drag =
+            CompiledDrag::new(&compiled, &moved_by(&values, slider), values.numbers(), usize::MAX, None).expect("kernels");
         while !drag.prepare() {}
         assert_eq!(drag.method(), method, "{slider}");
         assert_eq!(drag.bytes() > 0, method != Method::General, "{slider}");
