@@ -112,3 +112,34 @@ fn nan_is_announced_and_leads_to_the_inspector() {
     harness.run_steps(2);
     assert!(harness.query_by_label_contains("NaN in").is_none());
 }
+
+#[test]
+fn nan_of_a_later_pass_is_explained() {
+    let mut harness = harness();
+    // The points of the first pass are the middles of pixels. A sphere in a corner of a pixel is met by later ones.
+    let scene = "bodies;\nball: sphere, center <0.02, 0.02, 0>, radius 0.015;\nlights;\nkey: point, <0, 0, 9>;\ncamera;\n\
+        position <0, 0, 5>; gaze <0, 0, -1>; up <0, 1, 0>; fov 40;\n";
+    harness.state_mut().documents.scene.replace_text(scene);
+    harness.state_mut().apply(TextTab::Scene);
+    harness.state_mut().documents.formula.replace_text("formula;\n= IL*sqrt(-max(0.1, N.L));\n");
+    harness.state_mut().perform(Action::Apply);
+    let settings = harness.state().workshop.settings();
+    let many = crate::workspace::session::PictureSettings { samples: Some(32), ..settings };
+    harness.state_mut().workshop.set_picture(many).expect("settings in range");
+    until_finding(&mut harness);
+    let finding = harness.state().finding.as_ref().expect("a finding").message();
+    assert!(finding.contains("in pass ") && finding.contains("it is `sqrt(-max(0.1, N.L))`"), "{finding}");
+}
+
+/// Waits until something remarkable is found about the picture.
+fn until_finding(harness: &mut Harness<'_, App>) {
+    for _ in 0..30_000 {
+        harness.step();
+        let told = harness.state().finding.as_ref().is_some_and(|finding| finding.message().contains("NaN"));
+        if told && harness.state().workshop.renderer().passes() == [32; 2] {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    panic!("nothing is found: {:?}", harness.state().finding);
+}
