@@ -30,13 +30,23 @@ pub struct Cursor {
     comments: Vec<SourceSpan>,
     at: usize,
     diagnostics: Diagnostics,
+    /// How many words were looked at since the last one was read. A test fails when a parser does not go on.
+    #[cfg(test)]
+    looks: std::cell::Cell<usize>,
 }
 
 impl Cursor {
     /// The beginning of a source. Errors in its characters are reported here.
     pub fn new(source: &Source) -> Self {
         let TokenizedText { tokens, comments, diagnostics } = tokenize(source);
-        Self { tokens, comments, at: 0, diagnostics }
+        Self {
+            tokens,
+            comments,
+            at: 0,
+            diagnostics,
+            #[cfg(test)]
+            looks: std::cell::Cell::new(0),
+        }
     }
 
     /// Everything that was reported, in the order of places.
@@ -52,6 +62,11 @@ impl Cursor {
 
     /// The word `ahead` words after the current one, or the end of the text.
     pub fn peek(&self, ahead: usize) -> &Token {
+        #[cfg(test)]
+        {
+            self.looks.set(self.looks.get() + 1);
+            assert!(self.looks.get() < 100_000, "the parser does not get past word {}", self.at);
+        }
         // The lexer always ends the list with `End`.
         &self.tokens[(self.at + ahead).min(self.tokens.len() - 1)]
     }
@@ -98,6 +113,8 @@ impl Cursor {
     /// Moves past the current word, and returns it.
     pub fn advance(&mut self) -> Token {
         let token = self.peek(0).clone();
+        #[cfg(test)]
+        self.looks.set(0);
         self.at = (self.at + 1).min(self.tokens.len() - 1);
         token
     }

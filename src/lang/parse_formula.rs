@@ -4,7 +4,7 @@ use crate::lang::ast::{Definition, ExprId, Name};
 use crate::lang::cursor::Reported;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::foreign;
-use crate::lang::parser::FormulaParser;
+use crate::lang::parser::{FormulaParser, Next, SECTIONS};
 use crate::lang::token::{Mark, TokenKind};
 
 impl FormulaParser<'_> {
@@ -36,9 +36,10 @@ impl FormulaParser<'_> {
                 return;
             }
             if self.cursor.sees_section() && self.cursor.word(0) != Some("formula") {
-                let diagnostic = Diagnostic::error("a section under `formula;`").at(self.cursor.span(), "too late");
-                self.cursor.report(diagnostic.help("the formula is the end of a file; put sections before `formula;`"));
-                self.section(&mut Vec::new());
+                if !self.late_section() {
+                    self.file.result = Some(self.missing());
+                    return;
+                }
                 continue;
             }
             if let Err(Reported) = self.definition() {
@@ -61,6 +62,18 @@ impl FormulaParser<'_> {
             None => error.at(self.cursor.previous_span(), "the file ends here"),
         };
         self.cursor.report(error.help("the last line must be `= expression;`, the colour that the formula gives"));
+    }
+
+    /// Reports a section under `formula;` and reads it if it is one of formulas. Whether it is; what follows a section of
+    /// scenes is a scene, which cannot be read here.
+    fn late_section(&mut self) -> bool {
+        let diagnostic = Diagnostic::error("a section under `formula;`").at(self.cursor.span(), "too late");
+        let of_formulas = self.cursor.word(0).is_some_and(|word| SECTIONS.contains(&word));
+        self.cursor.report(diagnostic.help(match of_formulas {
+            true => "the formula is the end of a file; put sections before `formula;`",
+            false => "this section belongs into a scene; the formula is the end of a file",
+        }));
+        of_formulas && self.section(&mut Vec::new()) == Next::Section
     }
 
     /// Parses the result, after its `=`, to the end of the file.

@@ -31,7 +31,7 @@ pub(super) struct FormulaParser<'s> {
     pub(super) foreign_seen: bool,
 }
 
-const SECTIONS: [&str; 6] = keywords::words(&keywords::FORMULA_SECTIONS);
+pub(super) const SECTIONS: [&str; 6] = keywords::words(&keywords::FORMULA_SECTIONS);
 
 /// What follows a section.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -162,6 +162,8 @@ impl FormulaParser<'_> {
                 let declaration = Declaration { name, owner: Owner::Body, ty: Type::Scalar, attributes, doc: None };
                 self.file.sections.push(Section::Parameters(Owner::Body, vec![declaration]));
             }
+            // It may be the head of a section of scenes; skipping would stop at it.
+            self.cursor.advance();
             self.cursor.skip_statement();
             self.declarations(Owner::Body);
             return Next::Section;
@@ -270,5 +272,46 @@ impl FormulaParser<'_> {
         let id = ExprId(self.file.expressions.len() as u32);
         self.file.expressions.push(Expr { kind, span, outer: span });
         id
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Statements and fragments that begin, end or break sections.
+    const PIECES: [&str; 16] = [
+        "formula;",
+        "global;",
+        "body_specific;",
+        "invariants;",
+        "predefined;",
+        "bodies;",
+        "camera;",
+        "formul;",
+        "body specific;",
+        "= Cd;",
+        "X = 1;",
+        "a: scalar;",
+        "b",
+        "#uses m.materials;",
+        "vec3 f(",
+        "1 2",
+    ];
+
+    /// The cursor fails the test when a parser does not go on.
+    #[test]
+    fn every_order_of_sections_is_read_to_an_end() {
+        for first in PIECES {
+            for second in PIECES {
+                for third in PIECES {
+                    for fourth in PIECES {
+                        let text = [first, second, third, fourth].join("\n");
+                        let (file, diagnostics) = parse(&Source::new("order", &text));
+                        assert!(file.result.is_some() || diagnostics.has_errors(), "{text}");
+                    }
+                }
+            }
+        }
     }
 }
