@@ -333,13 +333,6 @@ impl Renderer {
         true
     }
 
-    /// The hits of what is shown, if they are all there already.
-    pub fn hits(&self, view: &View) -> Option<Arc<Hits>> {
-        let wanted = self.shared.wanted();
-        let traced = wanted.hits.as_ref().filter(|traced| traced.requested == wanted.requested && traced.hits.view == *view);
-        traced.map(|traced| Arc::clone(&traced.hits))
-    }
-
     /// What happened since the last call.
     pub fn events(&self) -> impl Iterator<Item = Event> {
         self.events.try_iter()

@@ -30,6 +30,7 @@ use crate::workspace::textures::parse_formula;
 use crate::workspace::{Assignment, OwnerId, ParameterTable, Session, Values};
 use crate::world::World;
 use departed::DepartedValues;
+use export::ExportContent;
 pub use export::PictureExport;
 use history::{CurrentState, HistoryEntry, PastValues, ValueHistory, changed, changed_in_view};
 use moving::MovingScene;
@@ -486,19 +487,25 @@ impl Workshop {
         self.session(formula, scene).save(path)
     }
 
-    /// The picture of the current values in full size, to be saved on another thread.
+    /// The picture in view, to be saved on another thread. If it has not yet the current values and all its pixels, or is
+    /// that of a held slider, the picture of the values is made then, with as many passes.
     ///
     /// # Errors
     /// A setting is out of range.
     pub fn export(&mut self) -> Result<PictureExport, ViewError> {
         let view = self.view()?;
-        Ok(PictureExport {
-            subject: self.subject(view),
-            engine: self.engine(),
-            hits: self.renderer.hits(&view),
-            numbers: self.values.numbers().to_vec(),
-            transform: self.picture.view,
-        })
+        let passes = self.shown.passes.shown.max(1) as u32;
+        let content = match &self.shown.linear {
+            Some(frame) if self.is_up_to_date() => {
+                ExportContent::Shown { frame: Arc::clone(frame), undefined: self.shown.nan.pixels() }
+            }
+            Some(_) | None => ExportContent::Other {
+                subject: Box::new(self.subject(view)),
+                engine: self.engine(),
+                numbers: self.values.numbers().to_vec(),
+            },
+        };
+        Ok(PictureExport { content, transform: self.picture.view, passes })
     }
 }
 

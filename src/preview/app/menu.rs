@@ -151,6 +151,20 @@ fn picture(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         ui.label("Depth").on_hover_text("The longest path of rays; 1 means no reflection and no refraction");
         ui.add(egui::Slider::new(&mut settings.depth, 1..=crate::trace::MAX_DEPTH));
     });
+    ui.horizontal(|ui| {
+        ui.label("Passes").on_hover_text("The picture is the mean of its passes: more make smoother edges and softer shadows");
+        let default = app.user_state.settings.samples;
+        let mut passes = app.workshop.samples();
+        let range = 1..=crate::trace::MAX_PASSES;
+        if ui.add(egui::DragValue::new(&mut passes).range(range).speed(0.2).update_while_editing(false)).changed() {
+            settings.samples = Some(passes);
+        }
+        let is_default = settings.samples.is_none();
+        let button = ui.add_enabled(!is_default, Button::new("As in the settings").small());
+        if button.on_hover_text(format!("{default} passes; the session does not say a number")).clicked() {
+            settings.samples = None;
+        }
+    });
     ui.checkbox(&mut settings.shadows, "Shadow rays");
     ui.horizontal(|ui| {
         ui.label("Refractive index of bodies without their own");

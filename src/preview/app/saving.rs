@@ -193,12 +193,13 @@ impl App {
         match self.workshop.export() {
             Ok(export) => {
                 self.log.add(format!("saving {}", path.display()));
+                let (passes, wanted) = (export.passes(), self.workshop.samples());
+                let passes = if passes < wanted { format!(", {passes} of {wanted} passes") } else { String::new() };
                 self.run_job(move || {
+                    let saved = format!("saved {}{passes}", path.display());
                     Some(match export.save(&path) {
-                        Ok(0) => JobResult::Done(format!("saved {}", path.display())),
-                        Ok(undefined) => {
-                            JobResult::Done(format!("saved {}; {}", path.display(), super::log::undefined_pixels(undefined)))
-                        }
+                        Ok(0) => JobResult::Done(saved),
+                        Ok(undefined) => JobResult::Done(format!("{saved}; {}", super::log::undefined_pixels(undefined))),
                         Err(error) => JobResult::PictureNotSaved(error),
                     })
                 });

@@ -23,6 +23,11 @@ impl NanMask {
         let bits = self.bits.get(pixel).copied().unwrap_or(0);
         std::array::from_fn(|index| bits >> index & 1 == 1)
     }
+
+    /// How many pixels have a component that is NaN.
+    pub fn pixels(&self) -> usize {
+        self.bits.iter().filter(|bits| **bits != 0).count()
+    }
 }
 
 #[cfg(test)]
@@ -35,6 +40,7 @@ mod tests {
         let mask = NanMask::of(&Frame { width: 3, height: 1, linear });
         let found = [0, 1, 2, 3].map(|pixel| mask.at(pixel));
         assert_eq!(found, [[false; 3], [true, false, true], [false, true, false], [false; 3]]);
+        assert_eq!((mask.pixels(), NanMask::default().pixels()), (2, 0));
         assert_eq!(NanMask::default().at(0), [false; 3]);
     }
 }

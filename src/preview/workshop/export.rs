@@ -1,40 +1,51 @@
 //! Saves a picture on a background thread. An export holds everything that the thread needs.
 
-use crate::engine::{Engine, EngineError, Subject, Task};
+use crate::engine::{Engine, Subject, Task};
 use crate::picture::Frame;
 use crate::picture::{ViewTransform, save};
-use crate::trace::Hits;
 use std::path::Path;
 use std::sync::Arc;
 
 /// A picture to be saved.
 pub struct PictureExport {
-    pub(super) subject: Subject,
-    pub(super) engine: Engine,
-    /// The hits, if they have been traced.
-    pub(super) hits: Option<Arc<Hits>>,
-    pub(super) numbers: Vec<f32>,
+    pub(super) content: ExportContent,
     pub(super) transform: ViewTransform,
+    pub(super) passes: u32,
+}
+
+/// Where the colours of a saved picture come from.
+pub(super) enum ExportContent {
+    /// The picture in view, without NaN, and how many of its pixels had one.
+    Shown { frame: Arc<Frame>, undefined: usize },
+    /// The picture of these numbers: the one in view is older, coarse, or that of a held slider.
+    Other { subject: Box<Subject>, engine: Engine, numbers: Vec<f32> },
 }
 
 impl PictureExport {
-    /// Computes the picture and saves it in the format of the path's suffix. Returns how many of its pixels were NaN.
+    /// How many passes the picture has.
+    pub fn passes(&self) -> u32 {
+        self.passes
+    }
+
+    /// Saves the picture in the format of the path's suffix; computes it first if it is not in view. Returns how many of
+    /// its pixels were NaN.
     ///
     /// # Errors
     /// The suffix names no format, or the file cannot be written. The error is for the user. An existing file is then
     /// unchanged.
     pub fn save(&self, path: &Path) -> Result<usize, String> {
-        let mut frame = self.frame().map_err(|error| error.to_string())?;
-        let undefined = frame.clean();
-        save(path, &frame, self.transform)?;
-        Ok(undefined)
-    }
-
-    fn frame(&self) -> Result<Frame, EngineError> {
-        let evaluator = match &self.hits {
-            Some(hits) => self.engine.prepare(&self.subject, hits, &self.numbers)?,
-            None => self.engine.evaluator(&self.subject, &self.numbers, &Task::UNWATCHED)?,
-        };
-        Ok(evaluator.frame(&self.numbers))
+        match &self.content {
+            ExportContent::Shown { frame, undefined } => {
+                save(path, frame, self.transform)?;
+                Ok(*undefined)
+            }
+            ExportContent::Other { subject, engine, numbers } => {
+                let frame = engine.picture(subject, numbers, self.passes, &Task::UNWATCHED);
+                let mut frame = frame.map_err(|error| error.to_string())?;
+                let undefined = frame.clean();
+                save(path, &frame, self.transform)?;
+                Ok(undefined)
+            }
+        }
     }
 }

@@ -220,3 +220,47 @@ fn a_body_that_comes_back_has_its_values_and_a_copy_those_of_the_original() {
     apply(&mut workshop, text);
     assert_eq!(value(&workshop, "ball.Cd"), workshop.values().table().parameter(colour).default);
 }
+
+#[test]
+fn the_saved_picture_is_the_one_in_view_with_its_passes() {
+    let mut workshop = workshop();
+    workshop.set_default_samples(5);
+    settle(&mut workshop);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("seen.png");
+    let saved = |workshop: &mut Workshop| {
+        let export = workshop.export().expect("a picture");
+        assert_eq!(export.save(&path), Ok(0));
+        let pixels = image::open(&path).expect("a picture").into_rgb8();
+        let words = pixels.pixels().map(|pixel| u32::from_be_bytes([0, pixel.0[0], pixel.0[1], pixel.0[2]]));
+        (export.passes(), words.collect::<Vec<u32>>())
+    };
+    let mut counts = Vec::new();
+    for _ in 0..30_000 {
+        let seen = settle(&mut workshop);
+        let (passes, pixels) = saved(&mut workshop);
+        assert!(pixels == seen, "{passes} passes");
+        if counts.last() != Some(&passes) {
+            counts.push(passes);
+        }
+        if passes == 5 {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    assert!(counts.is_sorted() && counts.last() == Some(&5), "{counts:?}");
+    // A held slider: the picture of the values of the slider, of as many passes.
+    let (owner, id) = slider(&workshop, "ball.kd");
+    workshop.drag(owner, id, [0.2; 3]);
+    settle(&mut workshop);
+    let (passes, held) = saved(&mut workshop);
+    assert_eq!(passes, 5);
+    workshop.release();
+    let released = settle(&mut workshop);
+    let alone = workshop.renderer().passes();
+    assert!(alone == [5; 2] && held == released);
+    // A pane of another size.
+    workshop.show_size(Some([20, 10]));
+    let seen = settle(&mut workshop);
+    assert!(seen.len() == 200 && saved(&mut workshop).1 == seen);
+}
