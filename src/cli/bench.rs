@@ -8,7 +8,7 @@ use crate::cli::report::{Failure, print, print_json};
 use clap::Args;
 use illuminator::backends::{DEFAULT, REFERENCE};
 use illuminator::engine::{Engine, Subject, Task};
-use illuminator::evaluate::{Evaluator, Framebuffer};
+use illuminator::evaluate::{Drag, Evaluator, Framebuffer};
 use illuminator::formula::ParameterId;
 use illuminator::lang::types::Type;
 use illuminator::picture::Transfer;
@@ -75,6 +75,8 @@ struct PassesReport {
     trace_ms: f64,
     prepare_ms: f64,
     full_ms: f64,
+    /// A picture of one pass, in turns with those of all.
+    one_pass_ms: f64,
     bytes_per_pixel: f64,
     drag: Vec<DragReport>,
 }
@@ -92,6 +94,9 @@ struct DragReport {
     method: &'static str,
     prepare_ms: f64,
     frame_ms: f64,
+    /// A frame of one pass, in turns with those of all passes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    one_pass_ms: Option<f64>,
     #[serde(skip)]
     pixels: usize,
 }
@@ -216,7 +221,7 @@ fn measure_passes(
     sliders: &[Slider],
 ) -> Result<PassesReport, Failure> {
     let progress = Progress::new("measuring passes");
-    let (mut evaluator, mut trace, mut prepare) = (first, Duration::ZERO, Duration::ZERO);
+    let (mut evaluator, mut trace, mut prepare) = (Arc::clone(&first), Duration::ZERO, Duration::ZERO);
     for pass in 1..passes {
         let subject = Subject { view: input.subject.view.with_pass(pass), ..input.subject.clone() };
         let start = Instant::now();
@@ -229,22 +234,26 @@ fn measure_passes(
     }
     let view = &input.subject.view;
     let mut framebuffer = Framebuffer::black(view.width(), view.height(), Transfer::Linear);
-    let full_ms = median(options.runs, |_| {
+    let [one_pass_ms, full_ms] = medians(options.runs, |which, _| {
         let start = Instant::now();
-        evaluator.draw(input.values.numbers(), &mut framebuffer);
+        [&first, &evaluator][which].draw(input.values.numbers(), &mut framebuffer);
         Ok(start.elapsed())
     })?;
     let drags = sliders.iter().enumerate().map(|(index, slider)| {
         progress.tell(0.65 + 0.35 * index as f64 / sliders.len() as f64);
-        drag(options.runs, input, &evaluator, slider, &mut framebuffer)
+        let mut held = [HeldSlider::new(input, &first, slider)?, HeldSlider::new(input, &evaluator, slider)?];
+        let [one, all] = medians(options.runs, |which, run| held[which].frame(run, &mut framebuffer))?;
+        let [_, held] = held;
+        Ok(DragReport { one_pass_ms: Some(one), ..held.report(all) })
     });
     Ok(PassesReport {
         passes,
         trace_ms: milliseconds(trace),
         prepare_ms: milliseconds(prepare),
         full_ms,
+        one_pass_ms,
         bytes_per_pixel: evaluator.bytes() as f64 / f64::from(view.pixels()),
-        drag: drags.collect::<Result<_, _>>()?,
+        drag: drags.collect::<Result<_, Failure>>()?,
     })
 }
 
@@ -267,6 +276,52 @@ fn interpreted(
 }
 
 /// A slider that is held and moved back and forth.
+struct HeldSlider<'b> {
+    slider: &'b Slider,
+    values: Values,
+    drag: Box<dyn Drag>,
+    prepare_ms: f64,
+}
+
+impl<'b> HeldSlider<'b> {
+    /// Makes the stored data of the drag.
+    fn new(input: &Project, evaluator: &Arc<dyn Evaluator>, slider: &'b Slider) -> Result<Self, Failure> {
+        let values = input.values.clone();
+        let mut moved = values.moved_indices(slider.owner, slider.id);
+        if let (Some(component), Some(first)) = (slider.component, moved.first()) {
+            moved = vec![first + component];
+        }
+        let start = Instant::now();
+        let drag = Arc::clone(evaluator).drag(&moved, values.numbers(), DRAG_BUDGET, None);
+        let mut drag = drag.map_err(|error| Failure::input(error.to_string()))?;
+        while !drag.prepare() {}
+        Ok(Self { slider, values, drag, prepare_ms: milliseconds(start.elapsed()) })
+    }
+
+    /// Moves the slider and draws the frame. Returns the time of both.
+    fn frame(&mut self, run: u32, framebuffer: &mut Framebuffer) -> Result<Duration, Failure> {
+        let Slider { owner, id, component } = *self.slider;
+        let [low, high] = self.values.range_of(owner, id).unwrap_or([0.0, 1.0]);
+        let target = low + [0.25, 0.75][run as usize % 2] * (high - low);
+        let mut value = [target; 3];
+        if let Some(component) = component {
+            value.copy_from_slice(self.values.get(owner, id));
+            value[component] = target;
+        }
+        let start = Instant::now();
+        self.values.move_to(owner, id, value);
+        self.drag.frame(self.values.numbers(), framebuffer);
+        Ok(start.elapsed())
+    }
+
+    fn report(self, frame_ms: f64) -> DragReport {
+        let Self { slider, values, drag, prepare_ms } = self;
+        let method = drag.method().name();
+        DragReport { parameter: label(&values, slider), method, prepare_ms, frame_ms, one_pass_ms: None, pixels: drag.pixels() }
+    }
+}
+
+/// Draws frames of a slider.
 fn drag(
     runs: u32,
     input: &Project,
@@ -274,33 +329,11 @@ fn drag(
     slider: &Slider,
     framebuffer: &mut Framebuffer,
 ) -> Result<DragReport, Failure> {
-    let mut values = input.values.clone();
-    let (owner, id) = (slider.owner, slider.id);
-    let mut moved = values.moved_indices(owner, id);
-    if let (Some(component), Some(first)) = (slider.component, moved.first()) {
-        moved = vec![first + component];
-    }
-    let start = Instant::now();
-    let drag = Arc::clone(evaluator).drag(&moved, values.numbers(), DRAG_BUDGET, None);
-    let mut drag = drag.map_err(|error| Failure::input(error.to_string()))?;
-    while !drag.prepare() {}
-    let prepare_ms = milliseconds(start.elapsed());
-    drag.frame(values.numbers(), framebuffer);
-    let [low, high] = values.range_of(owner, id).unwrap_or([0.0, 1.0]);
-    let frame_ms = median(runs, |run| {
-        let target = low + [0.25, 0.75][run as usize % 2] * (high - low);
-        let mut value = [target; 3];
-        if let Some(component) = slider.component {
-            value.copy_from_slice(values.get(owner, id));
-            value[component] = target;
-        }
-        let start = Instant::now();
-        values.move_to(owner, id, value);
-        drag.frame(values.numbers(), framebuffer);
-        Ok(start.elapsed())
-    })?;
-    let parameter = label(&values, slider);
-    Ok(DragReport { parameter, method: drag.method().name(), prepare_ms, frame_ms, pixels: drag.pixels() })
+    let mut held = HeldSlider::new(input, evaluator, slider)?;
+    // The first frame is not measured.
+    held.frame(1, framebuffer)?;
+    let frame_ms = median(runs, |run| held.frame(run, framebuffer))?;
+    Ok(held.report(frame_ms))
 }
 
 fn milliseconds(time: Duration) -> f64 {
@@ -310,16 +343,30 @@ fn milliseconds(time: Duration) -> f64 {
 
 /// The median of what `once` returns, in milliseconds.
 fn median(runs: u32, mut once: impl FnMut(u32) -> Result<Duration, Failure>) -> Result<f64, Failure> {
+    let [median] = medians(runs, |_, run| once(run))?;
+    Ok(median)
+}
+
+/// The medians of what `once` returns for each of several things, in milliseconds. They are measured in turns, so that
+/// their ratio does not depend on what else the machine does.
+fn medians<const THINGS: usize>(
+    runs: u32,
+    mut once: impl FnMut(usize, u32) -> Result<Duration, Failure>,
+) -> Result<[f64; THINGS], Failure> {
     let start = Instant::now();
-    let mut times = Vec::new();
+    let mut times = [const { Vec::new() }; THINGS];
     for run in 0..runs {
-        times.push(once(run)?);
+        for (thing, times) in times.iter_mut().enumerate() {
+            times.push(once(thing, run)?);
+        }
         if start.elapsed() > PATIENCE {
             break;
         }
     }
-    times.sort();
-    Ok(milliseconds(times.get(times.len() / 2).copied().unwrap_or_default()))
+    Ok(times.map(|mut times| {
+        times.sort();
+        milliseconds(times.get(times.len() / 2).copied().unwrap_or_default())
+    }))
 }
 
 /// The median time of `make` in milliseconds, and the last result.
@@ -358,7 +405,7 @@ fn table(report: &Report, runs: u32) -> String {
     line(["memory a pixel".into(), bytes(report.bytes_per_pixel.jit), bytes(report.bytes_per_pixel.interpreter), none()]);
     line([none(), none(), none(), none()]);
     line(["slider".into(), "method".into(), "frame".into(), "prepared in".into()]);
-    let drag_line = |DragReport { parameter, method, prepare_ms, frame_ms, pixels }: &DragReport| {
+    let drag_line = |DragReport { parameter, method, prepare_ms, frame_ms, pixels, .. }: &DragReport| {
         let frame = if *pixels == 0 { "unseen".into() } else { ms(*frame_ms) };
         [parameter.clone(), (*method).into(), frame, ms(*prepare_ms)]
     };
@@ -369,12 +416,13 @@ fn table(report: &Report, runs: u32) -> String {
         let times = |value: f64, one: f64| format!("x {:.2}", value / one);
         line(["trace".into(), ms(passes.trace_ms), none(), none()]);
         line(["prepare".into(), ms(passes.prepare_ms), none(), none()]);
-        line(["full evaluation".into(), ms(passes.full_ms), times(passes.full_ms, report.full_ms.jit), none()]);
+        line(["full evaluation".into(), ms(passes.full_ms), times(passes.full_ms, passes.one_pass_ms), none()]);
         line(["memory a pixel".into(), bytes(passes.bytes_per_pixel), none(), none()]);
         line(["slider".into(), "method".into(), "frame".into(), "prepared in".into()]);
-        for (drag, one) in passes.drag.iter().zip(&report.drag) {
+        for drag in &passes.drag {
             let [parameter, method, frame, prepared] = drag_line(drag);
-            line([parameter, method, format!("{frame} {}", times(drag.frame_ms, one.frame_ms)), prepared]);
+            let ratio = drag.one_pass_ms.map(|one| times(drag.frame_ms, one)).unwrap_or_default();
+            line([parameter, method, format!("{frame} {ratio}"), prepared]);
         }
     }
     text

@@ -277,6 +277,24 @@ fn chain() -> String {
 }
 
 #[test]
+fn pictures_of_several_passes_are_measured_beside_those_of_one() {
+    let folder = folder();
+    let table = told(folder.path(), "bench session.toml --runs 1 --samples 3 --slider ball.kd");
+    assert!(table.contains("3 passes") && table.matches(" x ").count() == 2, "{table}");
+    let output = run(folder.path(), "bench session.toml --runs 2 --samples 3 --slider ball.kd --slider ball.h --json");
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let number = |pointer: &str| json.pointer(pointer).and_then(serde_json::Value::as_f64).unwrap_or_default();
+    for name in ["passes", "trace_ms", "prepare_ms", "full_ms", "one_pass_ms", "bytes_per_pixel"] {
+        assert!(number(&format!("/passes/{name}")) > 0.0, "{name}: {json}");
+    }
+    for drag in [0, 1] {
+        assert!(number(&format!("/passes/drag/{drag}/frame_ms")) > 0.0, "{json}");
+        assert!(number(&format!("/passes/drag/{drag}/one_pass_ms")) > 0.0, "{json}");
+    }
+    assert!(number("/passes/bytes_per_pixel") > number("/bytes_per_pixel/jit"), "all passes are kept: {json}");
+}
+
+#[test]
 fn chains_of_macros_are_computed_once_by_every_backend() {
     let folder = folder();
     fs::write(folder.path().join("chain.formula"), chain()).expect("write");
