@@ -146,15 +146,7 @@ fn arguments(words: &Words, cursor: usize) -> Vec<Candidate> {
     let Some(close) = rest.iter().position(|token| token.kind == TokenKind::Mark(Mark::Close)) else { return Vec::new() };
     let is_head = open.kind == TokenKind::Mark(Mark::Open)
         && rest.get(close + 1).is_some_and(|token| token.kind == TokenKind::Mark(Mark::Equal));
-    let names = rest[..close].iter().filter(|_| is_head).filter_map(|token| match &token.kind {
-        TokenKind::Word(name) => Some(name.clone()),
-        TokenKind::Number(_)
-        | TokenKind::Uses(..)
-        | TokenKind::Text(_)
-        | TokenKind::Mark(_)
-        | TokenKind::Unknown
-        | TokenKind::End => None,
-    });
+    let names = rest[..close].iter().filter(|_| is_head).filter_map(|token| token.kind.word().map(str::to_owned));
     names
         .map(|name| Candidate {
             insert: name.clone(),
@@ -279,15 +271,8 @@ fn in_scene(words: &Words, start: usize) -> Vec<Candidate> {
 /// kind is not known.
 fn clauses<T>(before: &[Token], kinds: &'static [Syntax<T>]) -> Vec<&'static Keyword> {
     let colon = before.iter().rposition(|token| token.kind == TokenKind::Mark(Mark::Colon));
-    let kind = colon.and_then(|colon| match &before.get(colon + 1)?.kind {
-        TokenKind::Word(word) => kinds.iter().find(|kind| kind.keyword.word == word),
-        TokenKind::Number(_)
-        | TokenKind::Uses(..)
-        | TokenKind::Text(_)
-        | TokenKind::Mark(_)
-        | TokenKind::Unknown
-        | TokenKind::End => None,
-    });
+    let word = colon.and_then(|colon| before.get(colon + 1)?.kind.word());
+    let kind = word.and_then(|word| kinds.iter().find(|kind| kind.keyword.word == word));
     let mut found: Vec<&Keyword> = match kind {
         Some(kind) => kind.clauses.iter().collect(),
         None => kinds.iter().flat_map(|kind| kind.clauses).collect(),

@@ -131,15 +131,7 @@ impl Cursor {
 
     /// The name or keyword `ahead` words after the current one.
     pub fn word(&self, ahead: usize) -> Option<&str> {
-        match &self.peek(ahead).kind {
-            TokenKind::Word(word) => Some(word),
-            TokenKind::Number(_)
-            | TokenKind::Mark(_)
-            | TokenKind::Uses(..)
-            | TokenKind::Text(_)
-            | TokenKind::Unknown
-            | TokenKind::End => None,
-        }
+        self.peek(ahead).kind.word()
     }
 
     /// Replaces the current word by this one, and the next by a `;`.

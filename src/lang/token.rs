@@ -46,6 +46,19 @@ impl TokenKind {
         }
     }
 
+    /// The name or keyword, if it is one.
+    pub fn word(&self) -> Option<&str> {
+        match self {
+            TokenKind::Word(word) => Some(word),
+            TokenKind::Number(_)
+            | TokenKind::Mark(_)
+            | TokenKind::Uses(..)
+            | TokenKind::Text(_)
+            | TokenKind::Unknown
+            | TokenKind::End => None,
+        }
+    }
+
     /// How a message names this word: `` `kd` ``, `the number 1.5`, `the end of the file`.
     pub fn describe(&self) -> String {
         match self {

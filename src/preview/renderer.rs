@@ -13,7 +13,7 @@ use crate::engine::{Engine, Subject};
 use crate::evaluate::review::PictureFinding;
 use crate::picture::{Frame, ViewTransform};
 use crate::plan::Method;
-use crate::trace::{Counts, Hits, View};
+use crate::trace::{Counts, Hits};
 use drawing::DrawingWorker;
 pub use nan_mask::NanMask;
 use pace::Pace;

@@ -8,6 +8,7 @@ use crate::formula::Formula;
 use crate::lang::source::Source;
 use crate::picture::{ToneCurve, Transfer};
 use crate::scene::Scene;
+use crate::trace::View;
 use crate::workspace::Values;
 use crate::workspace::{FileKind, presets};
 
