@@ -159,10 +159,10 @@ fn picture(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         if ui.add(egui::DragValue::new(&mut passes).range(range).speed(0.2).update_while_editing(false)).changed() {
             settings.samples = Some(passes);
         }
-        let is_default = settings.samples.is_none();
-        let button = ui.add_enabled(!is_default, Button::new("As in the settings").small());
-        if button.on_hover_text(format!("{default} passes; the session does not say a number")).clicked() {
-            settings.samples = None;
+        let mut is_default = settings.samples.is_none();
+        let about = format!("The session gives no number, so the picture has the {default} passes of the settings");
+        if ui.checkbox(&mut is_default, format!("as in the settings ({default})")).on_hover_text(about).changed() {
+            settings.samples = (!is_default).then_some(passes);
         }
     });
     ui.checkbox(&mut settings.shadows, "Shadow rays");

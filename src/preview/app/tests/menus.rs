@@ -60,3 +60,24 @@ fn every_key_is_listed_under_its_heading() {
     harness.run_steps(3);
     assert!(harness.query_by_label("Sliders and numbers").is_none());
 }
+
+#[test]
+fn the_session_gives_a_number_of_passes_or_leaves_it_to_the_settings() {
+    let mut harness = harness();
+    let samples = |harness: &Harness<'_, App>| harness.state().workshop.settings().samples;
+    let default = harness.state().user_state.settings.samples;
+    assert_eq!(samples(&harness), Some(1));
+    let click = |harness: &mut Harness<'_, App>| {
+        harness.get_by_label("Picture").click();
+        harness.run_steps(3);
+        harness.get_by_label(&format!("as in the settings ({default})")).click();
+        harness.run_steps(3);
+        harness.key_press(Key::Escape);
+        harness.run_steps(3);
+    };
+    click(&mut harness);
+    assert_eq!((samples(&harness), harness.state().workshop.samples()), (None, default));
+    assert!(harness.state().session_is_unsaved());
+    click(&mut harness);
+    assert_eq!(samples(&harness), Some(default), "a number of its own, the same at first");
+}
