@@ -8,7 +8,7 @@ use crate::formula::{Parameter, ParameterId};
 use crate::lang::scalars::flush;
 use crate::lang::variables::{Owner, Predefined};
 use crate::plan::slider::{SliderPlan, moved_parameters};
-use crate::plan::surface::SurfacePlan;
+use crate::plan::surface::{OwnDependence, SurfacePlan};
 use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::Arc;
@@ -76,6 +76,8 @@ pub struct ImageTerm {
     /// The terms without the formula that are in the image, each without its moved factor: indices in
     /// [`DragPlan::moved_terms`].
     pub moved_terms: Vec<usize>,
+    /// Whether the ambient light and the emission that the formula gives are in the image, without the moved factor.
+    pub own: bool,
 }
 
 /// How pictures are computed from the numbers that a slider moves, on one scene.
@@ -140,7 +142,7 @@ impl DragPlan {
         let mut leaf = |(index, id, component): (usize, ParameterId, u8)| (bindings.parameter(id, component), index);
         let moved_ids = moved_parameters(layout, parameters, moved);
         let ids: Vec<ParameterId> = moved_ids.iter().map(|(_, id, _)| *id).collect();
-        let leaves: Vec<(NodeId, usize)> = moved_ids.into_iter().map(&mut leaf).collect();
+        let leaves: Vec<(NodeId, usize)> = moved_ids.iter().copied().map(&mut leaf).collect();
         let node_at = |index: usize| leaves.iter().find(|(_, moved)| *moved == index).map(|(node, _)| *node);
         let found = moving_terms(equation, owner, node_at);
         let weight_index = |weight: Predefined| {
@@ -151,20 +153,34 @@ impl DragPlan {
             None => ([REFLECTED, REFRACTED].map(weight_index), true),
             Some(surface) => weights_by_formula(surface, &ids, weight_index),
         };
+        let numbers: Vec<(ParameterId, u8)> = moved_ids.iter().map(|(_, id, component)| (*id, *component)).collect();
+        let own = surface.map_or(OwnDependence::None, |surface| surface.own_dependence(&numbers));
         let inseparable = matches!(slider.separation.dependence, Dependence::Inseparable { .. });
-        let terms = if inseparable { Vec::new() } else { image_terms(&slider.separation.dependence, &found) };
+        let (own_factors, own_is_simple) = match own {
+            OwnDependence::None => (None, true),
+            OwnDependence::Linear(numbers) => {
+                let mut node = |(id, component)| bindings.parameter(id, component);
+                // With a weight that moves, what is given would have its powers too.
+                (Some(numbers.map(|number| number.map(&mut node))), !inseparable && weights == [None; 2])
+            }
+            OwnDependence::Other => (None, false),
+        };
+        let terms = if inseparable { Vec::new() } else { image_terms(&slider.separation.dependence, &found, own_factors) };
         // Today no slider moves more than one owner, or two factors of one term. The general method handles that. An
         // inseparable part has no powers of kr and kt, and is not visible where a ray leaves the scene.
         let twice = found.windows(2).any(|pair| pair[0].0.term == pair[1].0.term);
         let weights_move = weights.iter().any(Option::is_some);
         let at_misses = found.iter().any(|(moved, _)| is_of_miss(TERMS[moved.term].site));
         let method = match inseparable {
-            _ if !powers_only || !single || twice || inseparable && (weights_move || at_misses) => Method::General,
+            _ if !powers_only || !own_is_simple || !single || twice || inseparable && (weights_move || at_misses) => {
+                Method::General
+            }
             true => Method::Specialised,
             false => Method::Images,
         };
         let mut channels: BTreeSet<usize> = slider.channels.iter().copied().collect();
         channels.extend((0..3).filter(|channel| found.iter().any(|(moved, _)| moved.components[*channel])));
+        channels.extend((0..3).filter(|channel| own_factors.is_some_and(|factors| factors[*channel].is_some())));
         let channels = match channels.first() {
             Some(channel) if channels.len() == 1 && !weights_move => Channels::One(*channel),
             _ => Channels::All,
@@ -182,6 +198,13 @@ impl DragPlan {
         let fixed = |index: usize| self.moved.binary_search(&index).is_err();
         one.len() == other.len()
             && one.iter().zip(other).enumerate().all(|(index, (a, b))| a.to_bits() == b.to_bits() || !fixed(index))
+    }
+
+    /// Parameter numbers with this number in place of each that moves.
+    pub fn with_moved(&self, parameters: &[f32], number: f32) -> Vec<f32> {
+        let mut numbers = parameters.to_vec();
+        self.moved.iter().for_each(|index| numbers[*index] = number);
+        numbers
     }
 
     /// Whether the formula moves for a pair of a body and a light, given by their indices.
@@ -214,9 +237,15 @@ impl DragPlan {
         moved.factor.owner() != Owner::Body || self.owner == (Owner::Body, body)
     }
 
-    /// Whether any term without the formula moves at the hits of a body.
+    /// Whether anything but the contributions of lights moves at the hits of a body.
     pub fn moves_hits(&self, body: usize) -> bool {
         self.moved_at(Site::Hit).any(|moved| self.moves_at(moved, body))
+            || self.terms.iter().any(|term| term.own) && self.moves_own(body)
+    }
+
+    /// Whether what the formula gives at hits of a body, whatever the lights, reads moved numbers if it reads any.
+    pub fn moves_own(&self, body: usize) -> bool {
+        self.owner.0 == Owner::Global || self.owner == (Owner::Body, body)
     }
 
     /// The terms without the formula that move at a site.
@@ -293,8 +322,8 @@ impl DragPlan {
     }
 }
 
-/// The indices of the moved kr and kt where the formula gives weights of rays or other terms of hits, and whether these
-/// depend on the moved parameters through powers of kr and kt along paths alone.
+/// The indices of the moved kr and kt where the formula gives weights of rays, and whether these depend on the moved
+/// parameters through powers of kr and kt along paths alone.
 fn weights_by_formula(
     surface: &SurfacePlan,
     moved: &[ParameterId],
@@ -304,7 +333,7 @@ fn weights_by_formula(
     // Predefined parameters come first, in the order of their table.
     let ids = parameters.map(|parameter| ParameterId(parameter as u32));
     let others: Vec<ParameterId> = moved.iter().copied().filter(|id| !ids.contains(id)).collect();
-    let mut powers_only = !surface.own_depends_on(moved);
+    let mut powers_only = true;
     let mut weights = [None; 2];
     for (weight, parameter) in parameters.into_iter().enumerate() {
         powers_only &= !surface.weight_depends_on(weight, &others);
@@ -361,24 +390,43 @@ fn moving_terms(
     found
 }
 
-/// The terms of a picture by images: those of the contribution, and moved terms of equation (2). Terms with the same
-/// factors share an image.
-fn image_terms(dependence: &Dependence, found: &[(MovedTerm, [Option<NodeId>; 3])]) -> Vec<ImageTerm> {
+/// The terms of a picture by images: those of the contribution, moved terms of equation (2), and what the formula gives
+/// at hits, with these moved factors. Terms with the same factors share an image.
+fn image_terms(
+    dependence: &Dependence,
+    found: &[(MovedTerm, [Option<NodeId>; 3])],
+    own_factors: Option<[Option<NodeId>; 3]>,
+) -> Vec<ImageTerm> {
     let separable = match dependence {
         Dependence::Separable(terms) => &terms[..],
         Dependence::None | Dependence::Inseparable { .. } => &[],
     };
     let term = |(contribution, term): (usize, &SeparableTerm)| ImageTerm {
-        factors: term.factors,
         contribution: Some(contribution),
-        moved_terms: Vec::new(),
+        ..ImageTerm::empty(term.factors)
     };
     let mut terms: Vec<ImageTerm> = separable.iter().enumerate().map(term).collect();
     for (index, (_, factors)) in found.iter().enumerate() {
-        match terms.iter_mut().find(|term| term.factors == *factors) {
-            Some(term) => term.moved_terms.push(index),
-            None => terms.push(ImageTerm { factors: *factors, contribution: None, moved_terms: vec![index] }),
-        }
+        ImageTerm::with(&mut terms, *factors).moved_terms.push(index);
+    }
+    if let Some(factors) = own_factors {
+        ImageTerm::with(&mut terms, factors).own = true;
     }
     terms
+}
+
+impl ImageTerm {
+    /// One with these factors, and nothing in its image.
+    fn empty(factors: [Option<NodeId>; 3]) -> Self {
+        Self { factors, contribution: None, moved_terms: Vec::new(), own: false }
+    }
+
+    /// That with these factors among some, added if there is none.
+    fn with(terms: &mut Vec<ImageTerm>, factors: [Option<NodeId>; 3]) -> &mut ImageTerm {
+        let index = terms.iter().position(|term| term.factors == factors).unwrap_or_else(|| {
+            terms.push(Self::empty(factors));
+            terms.len() - 1
+        });
+        &mut terms[index]
+    }
 }

@@ -27,7 +27,7 @@ use crate::evaluate::{
 };
 use crate::formula::Formula;
 use crate::formula::equation::{Equation, Site};
-use crate::jit::compile::Contribution;
+use crate::jit::compile::{CompiledSurface, Contribution};
 use crate::jit::{self, CompiledFormula, Kernel, KernelCache, Line, PREFETCH_DISTANCE, PixelCode, Splat, Width};
 use crate::lang::scalars::flush;
 use crate::lang::variables::Owner;
@@ -48,7 +48,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use stored_pass::StoredPass;
 use summation::{Summation, SummationColumns};
-use surface::{SurfaceSummation, SurfaceTile, parameter_weights};
+use surface::{OwnPart, SurfaceSummation, SurfaceTile, parameter_weights};
 use textured::Textured;
 use tile::{Accumulate, TileScratch};
 
@@ -285,7 +285,7 @@ impl Compiled {
         let at_hits = bodies.map(|body| self.equation.sum(Site::Hit, parameters, body)).collect();
         let mut summation = self.empty_summation(at_hits, self.equation.sum(Site::Miss, parameters, 0), Channels::All);
         summation.environment = self.equation.sum(Site::Environment, parameters, 0);
-        summation.surface = self.surface_summation(parameters, true);
+        summation.surface = self.surface_summation(parameters, OwnPart::All);
         self.push_contributions(parameters, chosen, &mut summation);
         summation
     }
@@ -320,17 +320,23 @@ impl Compiled {
     }
 
     /// What the formula gives at every hit, for a summation with these parameter numbers.
-    fn surface_summation(&self, parameters: &[f32], adds_own: bool) -> Option<SurfaceSummation<'_>> {
+    fn surface_summation(&self, parameters: &[f32], own: OwnPart) -> Option<SurfaceSummation<'_>> {
         let (plan, compiled) = (self.compiled.plan.surface.as_ref()?, self.compiled.surface.as_ref()?);
         let bodies = self.equation.layout.owners(Owner::Body);
         Some(SurfaceSummation {
             compiled,
             plan,
             passes: self.passes.iter().map(|pass| &*pass.surface).collect(),
-            uniforms: self.uniforms(parameters, &compiled.outputs.uniforms, &self.surface_leaves, 1),
+            uniforms: self.surface_uniforms(parameters),
             weights: parameter_weights(&self.equation, parameters, bodies),
-            adds_own,
+            own,
         })
+    }
+
+    /// The uniform values of each body that the kernel reads for what the formula gives at every hit.
+    fn surface_uniforms(&self, parameters: &[f32]) -> Vec<Splat> {
+        let uniforms = |surface: &CompiledSurface| self.uniforms(parameters, &surface.outputs.uniforms, &self.surface_leaves, 1);
+        self.compiled.surface.as_ref().map(uniforms).unwrap_or_default()
     }
 
     /// The weights of the paths of a tile as monomials of the moved kr and kt. Where the formula gives weights of rays,

@@ -62,14 +62,24 @@ pub(super) struct SurfaceSummation<'p> {
     pub(super) uniforms: Vec<Splat>,
     /// kr and kt of each body.
     pub(super) weights: Vec<[f32; 2]>,
-    /// Whether ambient light and emission of the formula are added.
-    pub(super) adds_own: bool,
+    /// What is added of the ambient light and the emission of the formula.
+    pub(super) own: OwnPart,
+}
+
+/// A part of the ambient light and the emission that a formula gives at every hit.
+pub(super) enum OwnPart {
+    None,
+    All,
+    /// This number times the difference to what is given with other uniform values of each body.
+    Change(f32, Vec<Splat>),
 }
 
 /// Scratch memory for the nodes of a tile.
 #[derive(Default)]
 pub(super) struct SurfaceScratch {
     outputs: Vec<Line>,
+    /// What is given with the other uniform values of a change.
+    others: Vec<Line>,
     /// The weights of the path up to each node, red, green and blue.
     weights: Vec<[f64; 3]>,
     /// Whether any node of each path has another weight than 0.
@@ -289,8 +299,11 @@ impl SurfaceSummation<'_> {
     /// path whose weight is 0 already is left out of the summation, but not the paths that continue it.
     pub(super) fn weigh(&self, tile: &Tile, place: TilePlace, path_weights: &mut [Weight], scratch: &mut SurfaceScratch) {
         let nodes = self.nodes(place);
-        self.evaluate(nodes, &mut scratch.outputs);
-        let SurfaceScratch { outputs, weights, live, is_unbounded, collects, collected } = scratch;
+        self.evaluate(nodes, &self.uniforms, &mut scratch.outputs);
+        if let OwnPart::Change(_, uniforms) = &self.own {
+            self.evaluate(nodes, uniforms, &mut scratch.others);
+        }
+        let SurfaceScratch { outputs, weights, live, is_unbounded, collects, collected, .. } = scratch;
         let found = self.multiply(nodes, tile, outputs, weights, live, |weight, factor| weight * factor);
         *is_unbounded = found.is_unbounded;
         *collects = found.is_unbounded || found.vanishes;
@@ -373,9 +386,9 @@ impl SurfaceSummation<'_> {
         mut add: impl FnMut(usize, [f32; 3]),
     ) {
         let nodes = self.nodes(place);
-        let SurfaceScratch { outputs, weights, collects, collected, .. } = scratch;
+        let SurfaceScratch { outputs, others, weights, collects, collected, .. } = scratch;
         let count = self.compiled.outputs.overwrite.outputs();
-        let given = self.plan.nodes.own.filter(|_| self.adds_own).map(|own| self.plan.columns(own));
+        let given = self.plan.nodes.own.filter(|_| !matches!(self.own, OwnPart::None)).map(|own| self.plan.columns(own));
         for ((path, own), weight) in tile.paths.iter().zip(&nodes.paths).zip(path_weights) {
             if weight.is_zero() {
                 continue;
@@ -388,7 +401,13 @@ impl SurfaceSummation<'_> {
             for node in own.clone().map(|node| node as usize) {
                 let mut colour = constant;
                 if let Some(columns) = given {
-                    let own = columns.map(|column| value(outputs, count, node, column));
+                    let own = columns.map(|column| {
+                        let number = value(outputs, count, node, column);
+                        match self.own {
+                            OwnPart::None | OwnPart::All => number,
+                            OwnPart::Change(factor, _) => factor * (number - value(others, count, node, column)),
+                        }
+                    });
                     colour = std::array::from_fn(|component| colour[component] + own[component]);
                 }
                 let weight = weights[node];
@@ -470,8 +489,8 @@ impl SurfaceSummation<'_> {
         }
     }
 
-    /// Computes what the formula gives, for the nodes on bodies.
-    fn evaluate(&self, nodes: &SurfaceTile, outputs: &mut Vec<Line>) {
+    /// Computes what the formula gives with these uniform values of each body, for the nodes on bodies.
+    fn evaluate(&self, nodes: &SurfaceTile, all_uniforms: &[Splat], outputs: &mut Vec<Line>) {
         let kernel = &self.compiled.outputs.overwrite;
         let (inputs, count) = (self.compiled.hits.outputs(), kernel.outputs());
         let uniform_count = self.compiled.outputs.uniforms.outputs();
@@ -480,7 +499,7 @@ impl SurfaceSummation<'_> {
         // A kernel computes whole rounds. What it writes beyond the lines of a body is written again for the next one.
         for (body, lines) in &nodes.bodies {
             let first = body.index() * uniform_count;
-            let uniforms = &self.uniforms[first..first + uniform_count];
+            let uniforms = &all_uniforms[first..first + uniform_count];
             let own = &mut outputs[lines.start * count..];
             kernel.run([&columns[lines.start * inputs..], &[], &[]], uniforms, &mut [own], lines.len());
         }

@@ -255,8 +255,35 @@ fn kr_and_kt_stay_separable_where_the_weights_are_linear_in_them() {
     ] {
         assert_eq!((method(terms, "kr"), method(terms, "kt")), (kr, kt), "{terms}");
     }
-    assert_eq!(
-        (method(TERMS[0], "p"), method(TERMS[3], "q"), method(TERMS[5], "q")),
-        (Method::Images, Method::General, Method::General)
-    );
+    assert_eq!((method(TERMS[0], "p"), method(TERMS[3], "q")), (Method::Images, Method::General));
+}
+
+#[test]
+fn what_is_linear_in_ambient_light_and_emission_is_dragged_by_images() {
+    for (terms, name, expected) in [
+        (TERMS[4], "q", Method::Images),
+        (TERMS[4], "v", Method::Images),
+        (TERMS[5], "q", Method::Images),
+        (TERMS[5], "Cd", Method::Images),
+        (TERMS[5], "ka", Method::Images),
+        (TERMS[5], "g", Method::Images),
+        (TERMS[6], "v", Method::General),
+        (TERMS[9], "q", Method::Images),
+        ("emission = <10 - q*10, q, 2>*N;", "q", Method::Images),
+        ("emission = q*q*N;", "q", Method::General),
+        // Infinite at a body: its tiles are drawn in full.
+        ("emission = <q>/getx(N);", "q", Method::Images),
+    ] {
+        let case = case(terms);
+        let parameter = case.formula.parameter(case.formula.parameter_named(name).expect("a parameter"));
+        for owner in 0..case.layout.owners(parameter.owner) {
+            let first = case.layout.index(parameter, owner);
+            let moved: Vec<usize> = (first..first + parameter.ty.slots()).collect();
+            for view in VIEWS {
+                let found = drag(&case, &case.evaluators[0], &moved, &[0.2, 0.9, 0.0, 1.0], view).expect("the general picture");
+                let may_be_whole = terms.contains('/');
+                assert!(found == expected || may_be_whole, "{terms} {name} of {owner}: {found:?}");
+            }
+        }
+    }
 }

@@ -31,7 +31,7 @@ impl Reach<'_> {
             .iter()
             .map(|index| &self.plan.moved_terms[*index])
             .any(|moved| TERMS[moved.term].site == Site::Hit && self.plan.moves_at(moved, body));
-        (emitters > 0 || at_hits).then_some(emitters)
+        (emitters > 0 || at_hits || term.own && self.plan.moves_own(body)).then_some(emitters)
     }
 
     /// Whether an image contains rays that leave the scene.

@@ -9,7 +9,7 @@ use crate::backends::compiled::drag::reach::{Reach, add_cells};
 use crate::backends::compiled::place::TilePlace;
 use crate::backends::compiled::source::ContributionSource;
 use crate::backends::compiled::summation::Summation;
-use crate::backends::compiled::surface::SurfaceSummation;
+use crate::backends::compiled::surface::{OwnPart, SurfaceSummation};
 use crate::backends::compiled::tile::{Accumulate, TileScratch};
 use crate::evaluate::weights::Powers;
 use crate::formula::equation::Site;
@@ -86,7 +86,7 @@ impl DragKernels {
             Some((source, uniforms)) => {
                 let no_colours = vec![[0.0; 3]; fixed.at_hits.len()];
                 let mut part = compiled.empty_summation(no_colours, [0.0; 3], self.plan.channels);
-                part.surface = self.surface_summation(compiled, parameters, false);
+                part.surface = self.surface_summation(compiled, parameters, OwnPart::None);
                 part.push(source, uniforms);
                 Some(part)
             }
@@ -111,7 +111,7 @@ impl DragKernels {
             }
         }
         summation.channels = plan.channels;
-        summation.surface = self.surface_summation(compiled, parameters, true);
+        summation.surface = self.fixed_surface(compiled, parameters);
         summation
     }
 
@@ -123,10 +123,40 @@ impl DragKernels {
     }
 
     /// What the formula gives at every hit, without the moved kr and kt.
-    fn surface_summation<'p>(&self, compiled: &'p Compiled, parameters: &[f32], adds_own: bool) -> Option<SurfaceSummation<'p>> {
+    fn surface_summation<'p>(&self, compiled: &'p Compiled, parameters: &[f32], own: OwnPart) -> Option<SurfaceSummation<'p>> {
         let mut parameters = parameters.to_vec();
         self.plan.weights.into_iter().flatten().for_each(|index| parameters[index] = 1.0);
-        compiled.surface_summation(&parameters, adds_own)
+        compiled.surface_summation(&parameters, own)
+    }
+
+    /// The same, with what is given whatever the lights. Of what is linear in a moved number, only the part without it.
+    fn fixed_surface<'p>(&self, compiled: &'p Compiled, parameters: &[f32]) -> Option<SurfaceSummation<'p>> {
+        match self.plan.terms.iter().any(|term| term.own) {
+            true => self.surface_summation(compiled, &self.plan.with_moved(parameters, 0.0), OwnPart::All),
+            false => self.surface_summation(compiled, parameters, OwnPart::All),
+        }
+    }
+
+    /// The same for an image, with what is given times a moved number if that is in it, without the number.
+    fn image_surface<'p>(&self, compiled: &'p Compiled, parameters: &[f32], term: &ImageTerm) -> Option<SurfaceSummation<'p>> {
+        if !term.own {
+            return self.surface_summation(compiled, parameters, OwnPart::None);
+        }
+        let step = self.own_step(compiled, parameters);
+        let others = compiled.surface_uniforms(&self.plan.with_moved(parameters, 0.0));
+        let parameters = self.plan.with_moved(parameters, step);
+        self.surface_summation(compiled, &parameters, OwnPart::Change(1.0 / step, others))
+    }
+
+    /// A moved number, large enough that what it multiplies is known exactly from what is given for it and for 0. It is
+    /// a power of two, so that it is an exact factor.
+    fn own_step(&self, compiled: &Compiled, parameters: &[f32]) -> f32 {
+        let all = &compiled.formula.parameters;
+        let sizes = moved_parameters(&compiled.equation.layout, all, &self.plan.moved).into_iter().map(|(index, id, _)| {
+            let range = all[id.0 as usize].range.unwrap_or_default();
+            range.into_iter().chain([parameters[index]]).map(f32::abs).filter(|size| size.is_finite()).fold(1.0, f32::max)
+        });
+        sizes.fold(1.0, f32::max).min(1e9).log2().ceil().exp2()
     }
 
     /// The image of a term.
@@ -137,7 +167,7 @@ impl DragKernels {
         let at_misses = plan.image_colour(term, Site::Miss, parameters, 0);
         let mut summation = compiled.empty_summation(at_hits, at_misses, plan.channels);
         summation.environment = plan.image_colour(term, Site::Environment, parameters, 0);
-        summation.surface = self.surface_summation(compiled, parameters, false);
+        summation.surface = self.image_surface(compiled, parameters, term);
         if let Some(index) = term.contribution
             && let Some(contribution) = self.kernels.moving.get(index)
         {
@@ -177,7 +207,7 @@ impl DragKernels {
         let bodies = 0..compiled.equation.layout.owners(Owner::Body);
         let at_hits = bodies.map(|body| plan.moving(Site::Hit, parameters, body)).collect();
         let mut summation = compiled.empty_summation(at_hits, [0.0; 3], plan.channels);
-        summation.surface = compiled.surface_summation(parameters, false);
+        summation.surface = compiled.surface_summation(parameters, OwnPart::None);
         summation.push(source, uniforms);
         Some(summation)
     }
