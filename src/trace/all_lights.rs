@@ -21,9 +21,11 @@ use rayon::prelude::*;
 use smallvec::SmallVec;
 use std::sync::{Arc, OnceLock};
 
-/// Whether formulas that are evaluated for these lights need a second store: some emitters do not reach all hits.
+/// Whether formulas that are evaluated for these lights need a second store: some emitters may not reach all hits. With
+/// shadow rays, any may be hidden. Without, a spot sends nothing outside its cone, and an environment may be black.
 pub(super) fn needs_second_store(world: &World, view: &View, lights: EvaluatedLights) -> bool {
-    lights == EvaluatedLights::All && view.shadows() && world.emitter_ids().next().is_some()
+    let may_miss = |emitter: EmitterId| view.shadows() || !world.emitter(emitter).is_whole();
+    lights == EvaluatedLights::All && world.emitter_ids().any(may_miss)
 }
 
 impl Hits {

@@ -72,6 +72,24 @@ fn the_same_hits_serve_where_every_light_reaches_every_hit() {
 }
 
 #[test]
+fn without_shadow_rays_a_light_that_sends_nothing_is_at_every_hit_too() {
+    let world = crate::trace::tests::world(
+        "bodies; floor: rectangle, <-9, 0, -9>, <9, 0, -9>, <9, 0, 9>;
+         lights; beam: spot, <0, 5, 0>, target <0, 0, 0>, angle 20; key: point, <1, 7, 3>;
+         camera; position <0, 5, 9>; gaze <0, -0.5, -1>; up <0, 1, 0>; fov 45;",
+    );
+    let view = view(40, 30, 3).with_shadows(false);
+    let hits = Arc::new(traced(&world, &view));
+    assert!(!hits.serves(All) && hits.counts().records < 2 * hits.counts().hits, "the cone is small");
+    let all = hits.for_lights(All).unwrap();
+    assert_eq!(all.counts().records, 2 * hits.counts().hits);
+    for tile in &all.tiles {
+        let of_group = |group: &crate::trace::Group| group.hits.clone().all(|hit| tile.is_visible(hit, EmitterId(0)));
+        assert!(tile.groups.iter().all(of_group), "`visible` is 1 where no shadow rays are sent");
+    }
+}
+
+#[test]
 fn the_memory_of_all_records_and_of_both_stores_is_foreseen_and_counted() {
     let (world, view) = (bright_room(10), view(160, 120, 4));
     let budget = Budget { bytes_per_record: 8, bytes_per_hit: 4, ..Budget::UNLIMITED };
