@@ -24,14 +24,13 @@ impl Emit for EnvironmentEmitter {
     /// The sum over all directions is ∫ local·Le dω / π. A direction of density p stands for 1/(π·p) of it, so that a
     /// matte surface under a white environment has its own colour.
     #[inline]
-    fn sample(&self, _: &SurfaceHit, draw: &Draw) -> LightSample {
+    fn sample(&self, hit: &SurfaceHit, draw: &Draw) -> LightSample {
         let drawn = self.environment.as_ref().and_then(|environment| environment.sample(draw.point()));
-        drawn.map_or(LightSample::NONE, |drawn| LightSample {
-            direction: drawn.direction,
-            distance: INFINITELY_FAR,
-            radiance: drawn.radiance,
-            weight: (PI * drawn.density).recip() as f32,
-        })
+        // Of a black environment no direction is drawn. Formulas that are evaluated all the same get that of the normal.
+        let (direction, radiance, weight) = drawn.map_or((hit.shading_normal, [0.0; 3], 0.0), |drawn| {
+            (drawn.direction, drawn.radiance, (PI * drawn.density).recip() as f32)
+        });
+        LightSample { direction, distance: INFINITELY_FAR, radiance, weight }
     }
 
     fn is_whole(&self) -> bool {
