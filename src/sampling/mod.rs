@@ -2,9 +2,12 @@
 //! takes.
 //!
 //! A picture is the mean of passes. The points of one pixel over the passes are a Sobol sequence (Sobol 1967), so they
-//! fill the unit square evenly. The sequence of each pixel, route of rays and light is scrambled on its own after Owen
-//! (Burley 2020, "Practical Hash-based Owen Scrambling"), so that neighbouring pixels have independent errors. The
-//! first 2^m points stay evenly spread. A point depends on nothing else: any pass can be made alone, in any order.
+//! fill the unit square evenly. In the first pass, the point is the centre. A light has another pair of coordinates of
+//! the same sequence, so that the points of a pixel and of a light together fill four dimensions evenly: the edge of a
+//! shadow becomes smooth faster than by independent points. Each pixel has an order of its own, and each pair of a
+//! route of rays and a light is scrambled on its own after Owen (Burley 2020, "Practical Hash-based Owen Scrambling"),
+//! so that neighbouring pixels and different lights have independent errors. The first 2^m points stay evenly spread. A
+//! point depends on nothing else: any pass can be made alone, in any order.
 //!
 //! What points are used for is not known here.
 
@@ -43,7 +46,7 @@ impl Route {
 /// A sample of one light at one hit.
 #[derive(Debug, Clone, Copy)]
 pub struct Draw {
-    pass: u32,
+    index: u32,
     seed: u32,
 }
 
@@ -51,27 +54,50 @@ impl SampleKey {
     /// The sample of the light with this index.
     #[inline]
     pub fn draw(&self, light: u32) -> Draw {
-        Draw { pass: self.pass, seed: mixed(mixed(self.pixel, self.route.0), light + 1) }
+        let index = second_pair(order(self.pass, self.pixel));
+        Draw { index, seed: mixed(mixed(self.pixel, self.route.0), light + 1) }
     }
 }
 
 impl Draw {
     /// Its point in the unit square, each number greater than 0 and less than 1.
     pub fn point(&self) -> [f64; 2] {
-        scrambled(self.pass, self.seed)
+        scrambled(self.index, self.seed)
     }
 }
 
 /// The point of a pixel through which its ray goes, 0..1 from its top left corner. It is the centre in the first pass.
 #[inline]
 pub fn pixel_point(pass: u32, pixel: u32) -> [f64; 2] {
-    if pass == 0 { [0.5; 2] } else { scrambled(pass, mixed(pixel, 0)) }
+    if pass == 0 { [0.5; 2] } else { scrambled(order(pass, pixel), mixed(pixel, 0)) }
 }
 
-/// A point of the Sobol sequence, scrambled after Owen. The order of points is scrambled too: two sequences with
-/// different seeds are independent.
+/// The index in the sequence of the point of a pixel in a pass. Orders of different pixels are independent, and the
+/// first 2^m passes have the indices of 2^m points that stand together.
+fn order(pass: u32, pixel: u32) -> u32 {
+    permuted(pass.reverse_bits(), mixed(pixel, 0)).reverse_bits()
+}
+
+/// The index of the point that is the second pair of coordinates of another index: its bits times a matrix over the
+/// numbers modulo 2, of which these are the columns. The matrix is triangular with ones in its diagonal, so the second
+/// pair is spread as evenly as the first. A search found it: the first 2^m points of all four coordinates are a
+/// (2, m, 4)-net up to m = 8 and a (3, m, 4)-net up to m = 11, while the first four coordinates of Sobol's sequence are
+/// a (3, m, 4)-net. (A (t, m, s)-net has 2^t points in each box of the volume 2^(t−m); Niederreiter 1987.)
+const SECOND_PAIR: [u32; 16] = [
+    0x0001, 0x0003, 0x0004, 0x000d, 0x0012, 0x0032, 0x0061, 0x00e7, 0x013c, 0x0265, 0x06bf, 0x0dcb, 0x1b4e, 0x29c6, 0x7fa4,
+    0xe897,
+];
+
+/// The index of the point that is the second pair of coordinates, see [`SECOND_PAIR`].
+fn second_pair(index: u32) -> u32 {
+    // There are no more passes than the matrix has indices, but an order may set higher bits.
+    let high = index >> SECOND_PAIR.len() << SECOND_PAIR.len();
+    let columns = SECOND_PAIR.iter().enumerate().filter(|(bit, _)| index >> bit & 1 == 1);
+    columns.fold(high, |product, (_, column)| product ^ column)
+}
+
+/// A point of the Sobol sequence, scrambled after Owen: points with different seeds are independent.
 fn scrambled(index: u32, seed: u32) -> [f64; 2] {
-    let index = permuted(index.reverse_bits(), seed).reverse_bits();
     // The first coordinate is the index with its bits in reverse order. Here that order is reversed again.
     let [x, y] = [permuted(index, mixed(seed, 1)), permuted(second(index).reverse_bits(), mixed(seed, 2))];
     [x, y].map(|bits| (f64::from(bits.reverse_bits()) + 0.5) / 4_294_967_296.0)
@@ -149,8 +175,40 @@ mod tests {
     }
 
     #[test]
+    fn the_points_of_a_pixel_and_a_light_are_nets_in_four_dimensions() {
+        // The bits of the coordinates, the first in the highest place.
+        let first = |index: u32| [index.reverse_bits(), second(index)];
+        let coordinates = |index: u32| [first(index), first(second_pair(index))].concat();
+        // The points that share their first bits, as many bits of each coordinate as `lengths` says, are equally many.
+        let is_even = |power: u32, lengths: &[u32]| {
+            let mut counts = vec![0_u32; 1 << lengths.iter().sum::<u32>()];
+            for index in 0..1 << power {
+                let cell = coordinates(index).into_iter().zip(lengths).fold(0_usize, |cell, (bits, length)| {
+                    let first = if *length == 0 { 0 } else { bits >> (32 - length) };
+                    cell << length | first as usize
+                });
+                counts[cell] += 1;
+            }
+            counts.iter().all(|count| *count == counts[0])
+        };
+        for power in 4..=11 {
+            let (loss, all) = if power <= 8 { (2, power - 2) } else { (3, power - 3) };
+            for a in 0..=all {
+                for b in 0..=all - a {
+                    for c in 0..=all - a - b {
+                        let lengths = [a, b, c, all - a - b - c];
+                        assert!(is_even(power, &lengths), "2^{power} points, t = {loss}, {lengths:?}");
+                    }
+                }
+            }
+            for length in 0..=power {
+                assert!(is_even(power, &[0, 0, length, power - length]), "the second pair of 2^{power} points, {length}");
+            }
+        }
+    }
+
+    #[test]
     fn pairs_of_sequences_are_spread_together() {
-        // With the same order in both, all points would lie in half of these four-dimensional cells.
         for pixel in 0..40 {
             let draw = draws(pixel);
             let mut counts = [0; 4];
