@@ -1,5 +1,12 @@
-"""Images for reference.py: language 1.4, textures.  Pillow reads PNG, OpenEXR reads EXR."""
+"""Images for reference.py: language 1.4, textures, and the maps of environments.  Pillow reads PNG, OpenEXR reads EXR."""
 import math
+
+
+def texels(path):
+    """The linear texels of an OpenEXR file, in rows from the top."""
+    import OpenEXR
+    channels = OpenEXR.File(path, separate_channels=True).channels()
+    return [list(zip(*(row.astype(float).tolist() for row in rows))) for rows in zip(*(channels[c].pixels for c in 'RGB'))]
 
 
 class Texture:
@@ -10,9 +17,7 @@ class Texture:
             coded = np.asarray(Image.open(path).convert('RGB'), float) / 255
             self.rows = np.where(coded <= 0.04045, coded / 12.92, ((coded + 0.055) / 1.055) ** 2.4)      # sRGB, IEC 61966-2-1
         elif path.endswith('.exr'):
-            import OpenEXR
-            channels = OpenEXR.File(path, separate_channels=True).channels()
-            self.rows = np.stack([channels[c].pixels for c in 'RGB'], axis=-1).astype(float)
+            self.rows = np.array(texels(path))
         else:
             raise ValueError(path)
         self.rows = self.rows[::-1].tolist()     # from the bottom: (0, 0) is the lower left corner

@@ -12,6 +12,7 @@ Parts:  1 arithmetic (total: nothing raises)   2 lexer   3 formula parser   4 ty
 import argparse, bisect, math, multiprocessing, os, re, struct, sys
 from fractions import Fraction
 import images
+import lights
 
 NAN, INF = math.nan, math.inf
 
@@ -1160,7 +1161,49 @@ class Rectangle(Body):
 
 
 class Light:
-    pass
+    """A name, values, and .shines: one of the kinds of lights.py."""
+
+
+def parse_light(p, folder):
+    """-> the kind of a light, from its word to before the semicolon"""
+    t = p.need_word('point', 'directional', 'spot', 'sphere', 'rectangle', 'environment')
+
+    def part(word, read):
+        p.need(',')
+        if word:
+            p.need_word(word)
+        return read()
+
+    def number(word, least, most, above=False):
+        x = part(word, p.snum)
+        if not least <= x <= most or above and x == least:
+            raise Wrong('%s: %s is %g' % (t.where, word, x))
+        return x
+
+    def optional(word):
+        return p.peek(',') and p.tokens[p.at + 1].text == word
+
+    vector = lambda word=None: part(word, p.const_vector)
+    if t.text == 'point':
+        return lights.Point(vector())
+    if t.text == 'directional':
+        travel = vector()
+        if length(travel) == 0:
+            raise Wrong('%s: the light travels nowhere' % t.where)
+        return lights.Directional(travel)
+    if t.text == 'spot':
+        position, target, angle = vector(), vector('target'), number('angle', 0, 180, above=True)
+        if position == target:
+            raise Wrong('%s: the target is where the light is' % t.where)
+        return lights.Spot(position, target, angle, number('soft', 0, angle) if optional('soft') else 0.0)
+    if t.text == 'sphere':
+        return lights.Sphere(vector('center'), number('radius', 0, INF, above=True))
+    if t.text == 'rectangle':
+        a, b, c = vector(), vector(), vector()
+        Rectangle(a, b, c)                       # the corners are as for bodies
+        return lights.Rectangle(a, b, c)
+    rows = images.texels(os.path.join(folder, part(None, lambda: p.need('string').value))) if p.peek(',') and not optional('rotate') else None
+    return lights.Environment(rows, part('rotate', p.snum) if p.peek(',') else 0.0)
 
 
 class Scene:
@@ -1170,7 +1213,7 @@ class Scene:
 def parse_scene(text, name, default_index):
     p = Parser(text, name)
     scene = Scene()
-    scene.bodies, scene.lights, names = [], [], set()
+    scene.bodies, scene.lights, scene.environment, names = [], [], None, set()
 
     def new_name():
         t = p.name()
@@ -1228,8 +1271,11 @@ def parse_scene(text, name, default_index):
     while p.peek('ident') and not p.word('camera'):
         l = Light()
         l.name = new_name()
-        p.need_word('point'); p.need(',')
-        l.position = p.const_vector()
+        l.shines = parse_light(p, os.path.dirname(name))
+        if isinstance(l.shines, lights.Environment):
+            if scene.environment is not None:
+                raise Wrong('%s: the second environment' % p.tokens[p.at].where)
+            scene.environment = l
         p.need(';')
         scene.lights.append(l)
     p.need_word('camera'); p.need(';')
@@ -1247,7 +1293,7 @@ def parse_scene(text, name, default_index):
     scene.right = normalize(cross(gaze, up))
     scene.up = cross(scene.right, scene.forward)
     scene.tan_half = math.tan(math.radians(fov) / 2)                   # fov is the vertical angle
-    points = [c for b in scene.bodies for c in b.corners] + [l.position for l in scene.lights] + [scene.eye]
+    points = [c for b in scene.bodies for c in b.corners] + [c for l in scene.lights for c in l.shines.corners] + [scene.eye]
     scene.extent = distance(tuple(map(min, zip(*points))), tuple(map(max, zip(*points)))) or 1.0
     return scene
 
@@ -1256,6 +1302,10 @@ def parse_scene(text, name, default_index):
 # 7  Rays (language 3)
 # =====================================================================================================================
 class Tracer:
+    points = 1                                   # n x n points of a light with an area; 2n x n directions of an environment
+    turn = 0                                     # the number of the ray in its pixel
+    variance = (0.0, 0.0, 0.0)                   # of the colour of one pass, over the points of lights: added up by color()
+
     def __init__(self, scene, local, depth, shadows, all_lights, surface):
         self.scene, self.local, self.depth, self.shadows, self.all_lights = scene, local, depth, shadows, all_lights
         self.surface = surface                   # the terms that the formula gives for every hit
@@ -1280,12 +1330,20 @@ class Tracer:
                 return False
         return True
 
-    def color(self, o, d, start, depth):
-        """Equation (2) for the ray from o in unit direction d, leaving the surface `start`: body and part (None, None: the camera)."""
+    def outside(self, d):
+        """The colour of a ray that leaves the scene: the background, and the environment beside it."""
+        background, light = self.scene.values['background'], self.scene.environment
+        if light is None or light.values['ki'] == 0:
+            return background
+        return vadd(background, vscale(vmul(light.values['IL'], light.shines.radiance(d)), light.values['ki']))
+
+    def color(self, o, d, start, depth, path=(1.0, 1.0, 1.0)):
+        """Equation (2) for the ray from o in unit direction d, leaving the surface `start`: body and part (None, None: the camera).
+        path: the product of the weights on the way, for the variance."""
         g = self.scene.values
         body, t, part = self.first_hit(o, d, start)
         if body is None:
-            return g['background']
+            return self.outside(d)
         A = vadd(o, vscale(d, t))
         outward, shading, T, u, v = body.at(A, part)
         front = dot(d, outward) < 0
@@ -1301,17 +1359,30 @@ class Tracer:
         total = (0.0, 0.0, 0.0)
         for light in self.scene.lights:
             ki = light.values['ki']
-            to_light = vsub(light.position, A)
-            dist = length(to_light)
-            L = vover(to_light, dist)
-            visible = self.visible(A, (body, part), L, dist)
-            reached = visible and (not self.shadows or dot(N, L) > 0 and dot(Ng, L) > 0)               # language 2.1: both see the light
-            if ki == 0 or not (reached or self.all_lights):
-                continue                         # a zero factor: the term is exactly 0; a formula that reads visible has no visible_i
-            R = vsub(vscale(N, 2 * dot(N, L)), L)
-            H = normalize(vadd(L, V))
-            e = self.local(N, L, V, R, angle(N, L), angle(R, V), gamma, A, H, T, B, dist, float(visible), None, None, Ng, u, v, p, light.values, g)
-            total = vadd(total, vscale(e, ki))
+            if ki == 0:                          # a zero factor: the term is exactly 0
+                continue
+            mean, square = None, (0.0, 0.0, 0.0)
+            for arrival in light.shines.arriving(A, self.points, self.turn):
+                L = arrival.direction
+                faces = dot(N, L) > 0 and dot(Ng, L) > 0               # language 2.1: both see the light
+                if not self.all_lights and (self.shadows and not faces or not arrival.inside):
+                    continue
+                visible = self.visible(A, (body, part), L, arrival.distance)
+                if not (visible or self.all_lights):
+                    continue                     # a formula that reads visible has no visible_i
+                R = vsub(vscale(N, 2 * dot(N, L)), L)
+                H = normalize(vadd(L, V))
+                own = light.values if arrival.factor is lights.WHITE else {**light.values, 'IL': vmul(light.values['IL'], arrival.factor)}
+                e = self.local(N, L, V, R, angle(N, L), angle(R, V), gamma, A, H, T, B, arrival.dist, float(visible), None, None, Ng, u, v, p, own, g)
+                part_of_mean = vscale(e, arrival.weight)
+                mean = part_of_mean if mean is None else vadd(mean, part_of_mean)
+                if arrival.weight != 1 and e != (0.0, 0.0, 0.0):
+                    square = vadd(square, vover(vmul(part_of_mean, part_of_mean), arrival.chance))
+            if mean is not None:
+                total = vadd(total, vscale(mean, ki))
+                if arrival.weight != 1:          # a grid
+                    weight = vscale(path, ki)
+                    self.variance = vadd(self.variance, vmul(vmul(weight, weight), vsub(square, vmul(mean, mean))))
         n12 = 1 / body.index if front else body.index
         beyond = 1 - n12 * n12 * (1 - dot(N, V) ** 2) < 0
         own = {name: f(N, None, V, None, None, None, gamma, A, None, T, B, None, None, n12, float(beyond), Ng, u, v, p, None, g)
@@ -1326,11 +1397,11 @@ class Tracer:
             weight = own.get('reflected', (p['kr'],) * 3)
             if any(w != 0 for w in weight) and not body.matte:
                 r = normalize(vsub(vscale(N, 2 * dot(N, V)), V))
-                total = vadd(total, vmul(self.color(A, r, (body, part), depth + 1), weight))
+                total = vadd(total, vmul(self.color(A, r, (body, part), depth + 1, vmul(path, weight)), weight))
             weight = own.get('refracted', (p['kt'],) * 3)
             if any(w != 0 for w in weight) and not body.opaque and not beyond:
                 r = self.refracted(N, V, n12)
-                total = vadd(total, vmul(self.color(A, r, (body, part), depth + 1), weight))
+                total = vadd(total, vmul(self.color(A, r, (body, part), depth + 1, vmul(path, weight)), weight))
         return total
 
     @staticmethod
@@ -1352,40 +1423,45 @@ def primary(scene, x, y, width, height):
 
 
 def render_row(job):
-    """-> RGB of the row's pixels, NaN already 0; with `shifts` also whether each is stable."""
+    """-> RGB of the row's pixels, NaN already 0; with `shifts` also whether each is stable; the standard deviations of one pass."""
     tracer, y, width, height, samples, offset, shifts = job
 
     def pixel(x, dx, dy):
-        total = (0.0, 0.0, 0.0)
+        total, squares, tracer.variance = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         for j in range(samples):                 # regular grid: centres of n x n subpixels
             for i in range(samples):
                 d = primary(tracer.scene, x + (i + 0.5) / samples + dx, y + (j + 0.5) / samples + dy, width, height)
-                total = vadd(total, tracer.color(tracer.scene.eye, d, (None, None), 1))
-        c = vover(total, samples * samples)
-        return tuple(0.0 if v != v else v for v in c)                  # [CHOICE 8] NaN -> 0 after the average
+                tracer.turn = j * samples + i
+                c = tracer.color(tracer.scene.eye, d, (None, None), 1)
+                total, squares = vadd(total, c), vadd(squares, vmul(c, c))
+        count = samples * samples
+        c = vover(total, count)
+        variance = vover(vadd(vsub(squares, vmul(total, c)), tracer.variance), count)
+        return tuple(0.0 if v != v else v for v in c), tuple(sqrt(max(v, 0.0)) for v in variance)      # [CHOICE 8] NaN -> 0 after the average
 
-    row, stable = [], []
+    row, stable, deviations = [], [], []
     for x in range(width):
-        c = pixel(x, *offset)
+        c, deviation = pixel(x, *offset)
         row.append(c)
+        deviations.append(deviation)
         ok = True
         for dx, dy in shifts:
-            s = pixel(x, offset[0] + dx, offset[1] + dy)
+            s, _ = pixel(x, offset[0] + dx, offset[1] + dy)
             if not all(a == b or abs(a - b) <= 1e-3 for a, b in zip(c, s)):
                 ok = False
                 break
         stable.append(255 if ok else 0)
-    return row, stable
+    return row, stable, deviations
 
 
 def render(tracer, width, height, samples=1, offset=(0.0, 0.0), shifts=(), processes=None):
-    """-> (list of rows, top first, of RGB tuples; list of rows of 0/255)"""
+    """-> (list of rows, top first, of RGB tuples; list of rows of 0/255; list of rows of the standard deviations of one pass)"""
     jobs = [(y, width, height, samples, offset, shifts) for y in range(height)]
     global _tracer
     _tracer = tracer                             # inherited by fork: the compiled formula cannot be pickled
     with multiprocessing.get_context('fork').Pool(processes or os.cpu_count()) as pool:
         rows = pool.map(_row, jobs, chunksize=1)
-    return [r for r, _ in rows], [s for _, s in rows]
+    return tuple(map(list, zip(*rows)))
 
 
 def _row(job):
@@ -1441,8 +1517,10 @@ def main():
     a.add_argument('--ior', type=float, default=1.5)
     a.add_argument('--background')
     a.add_argument('--samples', type=int, default=1)
+    a.add_argument('--points', type=int, default=1, help='a grid of N x N points on lights with an area, 2N x N directions of an environment')
     a.add_argument('--offset', default='0,0', help='DX,DY in pixels, x to the right, y down')
     a.add_argument('--stable', metavar='MASK')
+    a.add_argument('--deviation', metavar='PFM', help='the standard deviation of one pass, over the pixel and the points of lights')
     a.add_argument('--values', action='store_true', help='print the parameter values used')
     a.add_argument('--source', action='store_true', help='print the compiled formula')
     a.add_argument('-o', required=True)
@@ -1451,7 +1529,7 @@ def main():
         if not 1 <= o.depth <= 9:
             raise Wrong('depth is 1..9')
         m = re.fullmatch(r'([1-9][0-9]*)x([1-9][0-9]*)', o.size)
-        if not m or o.samples < 1 or not o.ior > 0:
+        if not m or o.samples < 1 or o.points < 1 or not o.ior > 0:
             raise Wrong('size, samples or index is wrong')
         width, height = map(int, m.groups())
         offset = tuple(map(float, o.offset.split(',')))
@@ -1465,13 +1543,16 @@ def main():
             print('global', tracer.scene.values)
         e = 0.01
         shifts = ((e, e), (e, -e), (-e, e), (-e, -e)) if o.stable else ()
-        rows, stable = render(tracer, width, height, o.samples, offset, shifts)
+        tracer.points = o.points
+        rows, stable, deviations = render(tracer, width, height, o.samples, offset, shifts)
     except Wrong as w:
         print('error: %s' % w, file=sys.stderr)
         sys.exit(1)
     write_pfm(o.o, rows)
     if o.stable:
         write_pgm(o.stable, stable)
+    if o.deviation:
+        write_pfm(o.deviation, deviations)
 
 
 if __name__ == '__main__':

@@ -124,7 +124,7 @@ c = shoot(t, (0., 0., D), vsub(P, (0., 0., D)))
 ok('R.V at the highlight', c[0], 1.0)
 ok('alpha = gamma', c[1], c[2], 1e-9)
 W, Hh = 200, 150
-rows, _ = r.render(t, W, Hh)
+rows, *_ = r.render(t, W, Hh)
 best = max((rows[y][x][0], x, y) for y in range(Hh) for x in range(W))
 px = (1 + P[0] / (D - P[2]) / (math.tan(math.radians(20)) * W / Hh)) * W / 2
 assert abs(best[1] + .5 - px) <= 1.5 and abs(best[2] + .5 - Hh / 2) <= 1.5, (best, px)
@@ -132,7 +132,7 @@ print('highlight: pixel', best[1:], 'expected x', round(px - .5, 2), 'y', Hh / 2
 
 # ---- image the right way up and round: a body at +x +y appears right and top
 t = make('formula; = Cd;', 'bodies; s: sphere, center <1,1,0>, radius 0.3; lights; ' + CAM, sets=['ka=1', 's.Cd=<1,1,1>'])
-rows, _ = r.render(t, 40, 30)
+rows, *_ = r.render(t, 40, 30)
 lit = [(x, y) for y in range(30) for x in range(40) if rows[y][x][0] > 0]
 assert lit and all(x >= 20 and y < 15 for x, y in lit)
 # fov is vertical: at z distance 9 the half height is 9 tan 20 = 3.2757
