@@ -1293,7 +1293,7 @@ def parse_scene(text, name, default_index):
     scene.right = normalize(cross(gaze, up))
     scene.up = cross(scene.right, scene.forward)
     scene.tan_half = math.tan(math.radians(fov) / 2)                   # fov is the vertical angle
-    points = [c for b in scene.bodies for c in b.corners] + [c for l in scene.lights for c in l.shines.corners] + [scene.eye]
+    points = [c for b in scene.bodies for c in b.corners] or [scene.eye]                # language 3, Details: the box of the bodies
     scene.extent = distance(tuple(map(min, zip(*points))), tuple(map(max, zip(*points)))) or 1.0
     return scene
 
