@@ -5,6 +5,7 @@ glass.glb    closed, normals, 3,000 triangles: a ball with lobes; a node turns a
 vase.obj     no normals, coordinates with a seam, 576 triangles: an open wall, to be smooth or flat
 figure.ply   closed, normals, coordinates, 1,280 triangles: for pictures of variables
 checks.png   8 x 8, sRGB      glow.exr   6 x 4, linear, up to 3
+sky.exr      24 x 12, halves, all directions: another colour at each side, with a bright patch, nowhere black
 """
 import json, math, struct
 import numpy as np
@@ -115,7 +116,21 @@ def images():
     OpenEXR.File(header, {c: glow[..., k].copy() for k, c in enumerate('RGB')}).write(FOLDER + 'glow.exr')
 
 
+def sky():
+    """Blue on top, brown below, red towards +z (the middle), green towards +x (left of it); a lamp high at the right, with a tail to the left."""
+    j, i = np.meshgrid(np.arange(12), np.arange(24), indexing='ij')
+    lat, lon = math.pi / 2 - (j + 0.5) / 12 * math.pi, (0.5 - (i + 0.5) / 24) * 2 * math.pi
+    x, y, z = np.cos(lat) * np.sin(lon), np.sin(lat), np.cos(lat) * np.cos(lon)
+    map_ = 0.25 + np.stack((0.5 * np.maximum(z, 0) + 0.1 * np.maximum(-y, 0), 0.5 * np.maximum(x, 0) + 0.1 * np.abs(y), 0.6 * np.maximum(y, 0)), axis=-1)
+    map_[3, 17:19] += (4, 3.5, 2.5)
+    map_[2, 17] += (2, 1, 1)
+    map_[3, 15:17] += (0.75, 1, 0.25)
+    header = {'compression': OpenEXR.ZIP_COMPRESSION, 'type': OpenEXR.scanlineimage}
+    OpenEXR.File(header, {c: map_[..., k].astype(np.float16) for k, c in enumerate('RGB')}).write(FOLDER + 'sky.exr')
+
+
 glass()
 vase()
 figure()
 images()
+sky()
