@@ -1,9 +1,10 @@
 """Lights for reference.py: what a hit receives from each kind (language 2, Lights and Environments), and where.
 
 A light is asked by `arriving(a, points, turn)` for what arrives at a, as a list of Arrival.  The mean over a light with an area, and the
-integral over an environment, are sums over a grid of points (points x points on a surface, 2 points x points directions).  The grid is moved
-by another part of a cell for each `turn`, the number of the ray in its pixel, so that together the rays of a pixel see many more points.
+integral over an environment, are sums over a grid of points (points x points on a surface, 2 points x points directions).  The points are
+at other places of the cells of the grid for each `turn`, the number of the ray in its pixel, so that together the rays of a pixel see many more.
 """
+import functools
 import math
 from collections import namedtuple
 
@@ -33,11 +34,21 @@ def over(a, s):                                  # NaN where s is 0: the light i
 
 
 def cells(columns, rows, turn):
-    """The middles of a grid over the unit square, moved by the turn-th point of the R2 sequence (Roberts 2018), round about."""
-    x0, y0 = (0.5 + turn * 0.7548776662466927) % 1.0, (0.5 + turn * 0.5698402909980532) % 1.0
+    """A point in each cell of a grid over the unit square.  turn: (number, count, pixel); all turns together have points evenly spread over each
+    cell, a lattice whose two generators are near to count / golden ratio and its square.  Each pixel moves it by another part of a cell, by the
+    R2 sequence (Roberts 2018), so that what the grid misses is not the same for all pixels."""
+    number, count, pixel = turn
+    x0 = ((number * generator(count, 0.6180339887498949) % count + 0.5) / count + pixel * 0.7548776662466927) % 1.0
+    y0 = ((number * generator(count, 0.3819660112501051) % count + 0.5) / count + pixel * 0.5698402909980532) % 1.0
     for j in range(rows):
         for i in range(columns):
-            yield (i + x0) / columns, (j + y0) / rows
+            yield (i + x0 + j * 0.6180339887498949) / columns % 1.0, (j + y0) / rows
+
+
+@functools.cache
+def generator(count, share):
+    """The whole number nearest to share x count that has no divisor in common with count."""
+    return min((k for k in range(1, count + 1) if math.gcd(k, count) == 1), key=lambda k: abs(k - share * count))
 
 
 def toward(a, place, weight=1.0, inside=True, factor=WHITE):
@@ -117,7 +128,8 @@ class Environment:
         self.rows, self.turned = rows, math.radians(rotate)
         if rows is not None:
             self.rows = [[tuple(x if x > 0 else 0.0 for x in texel) for texel in row] for row in rows]     # no number, and below 0: 0
-        self.grids = {}
+        fine = [sum(self.radiance(d)) for d in directions(64, (0, 1, 0))]
+        self.mean = sum(fine) / len(fine)        # over all directions, red, green and blue together
 
     def radiance(self, d):
         """From the direction d, interpolated between the middles of texels, round about to the sides."""
@@ -137,13 +149,17 @@ class Environment:
 
     def arriving(self, a, points, turn):
         """1/pi times the integral over all directions, on a grid of equal solid angles: 4 pi / count each."""
-        if (points, turn) not in self.grids:
-            count, grid = 2 * points * points, []
-            for x, y in cells(2 * points, points, turn):
-                up, angle = 1 - 2 * y, 2 * math.pi * x
-                s = math.sqrt(max(1 - up * up, 0.0))
-                d = (s * math.cos(angle), up, s * math.sin(angle))
-                grid.append((d, self.radiance(d)))
-            whole = sum(sum(r) for _, r in grid)
-            self.grids[points, turn] = [Arrival(d, math.inf, FAR, True, r, 4 / count, sum(r) / whole if whole > 0 else 0.0) for d, r in grid]
-        return self.grids[points, turn]
+        return self.grid(points, turn)
+
+    @functools.lru_cache(1)                      # all hits of one ray share it
+    def grid(self, points, turn):
+        count = 2 * points * points
+        return [Arrival(d, math.inf, FAR, True, r, 4 / count, sum(r) / self.mean / count if self.mean > 0 else 0.0)
+                for d, r in ((d, self.radiance(d)) for d in directions(points, turn))]
+
+
+def directions(points, turn):
+    for x, y in cells(2 * points, points, turn):
+        up, angle = 1 - 2 * y, 2 * math.pi * x
+        s = math.sqrt(max(1 - up * up, 0.0))
+        yield s * math.cos(angle), up, s * math.sin(angle)

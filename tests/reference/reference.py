@@ -1303,7 +1303,7 @@ def parse_scene(text, name, default_index):
 # =====================================================================================================================
 class Tracer:
     points = 1                                   # n x n points of a light with an area; 2n x n directions of an environment
-    turn = 0                                     # the number of the ray in its pixel
+    turn = (0, 1, 0)                             # the number of the ray in its pixel, how many there are, and the number of the pixel
     variance = (0.0, 0.0, 0.0)                   # of the colour of one pass, over the points of lights: added up by color()
 
     def __init__(self, scene, local, depth, shadows, all_lights, surface):
@@ -1431,7 +1431,7 @@ def render_row(job):
         for j in range(samples):                 # regular grid: centres of n x n subpixels
             for i in range(samples):
                 d = primary(tracer.scene, x + (i + 0.5) / samples + dx, y + (j + 0.5) / samples + dy, width, height)
-                tracer.turn = j * samples + i
+                tracer.turn = (j * samples + i, samples * samples, y * width + x)
                 c = tracer.color(tracer.scene.eye, d, (None, None), 1)
                 total, squares = vadd(total, c), vadd(squares, vmul(c, c))
         count = samples * samples

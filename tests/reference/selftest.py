@@ -214,4 +214,89 @@ for deg in (41.8, 41.82, 60):
 t = make('formula; reflected = <0,0,0>; = N;', 'bodies; s: sphere, center <0,0,0>, radius 1; n: rectangle, <-9,-9,8>,<9,-9,8>,<9,9,8>; lights; ' + CAM,
          sets=['*.kr=1', 'background=<1,1,1>', 'ka=0'])
 ok('a weight of 0 sends no ray', shoot(t, (0., 0., 5.), (0., 0., -1.)), (0., 0., 0.))
+# ---- lights.  The floor y = 0 is seen from above at (x, z)
+FLOOR = 'bodies; floor: rectangle, <-50,0,-50>, <50,0,-50>, <50,0,50>, opaque, matte; %s lights; %s; ' + CAM
+
+
+def lit(formula, light, at=(0., 0.), others='', points=1, sets=(), turns=1, **k):
+    """-> mean and variance of one pass, at a point of the floor"""
+    t = make(formula, FLOOR % (others, light), sets=['ka=0', '*.Cd=<1,1,1>', *sets], **k)
+    t.points, total = points, (0., 0., 0.)
+    for turn in range(turns):
+        t.turn = (turn, turns, 0)
+        total = vadd(total, shoot(t, (at[0], .01, at[1]), (0., -1., 0.)))
+    return vover(total, turns), vover(t.variance, turns)
+
+
+ok('directional', lit('formula; = <N.L, dist, (getx(L) > 0)>;', 'l: directional, <-3,-4,0>')[0], (.8, 1e30, 1.))
+ok('against the direction of travel', lit('formula; = L;', 'l: directional, <0,-2,1.5>')[0], (0., .8, -.6))
+ok('from below', lit('formula; = <1>;', 'l: directional, <0,1,0>')[0], (0., 0., 0.))
+ok('from below, without shadow rays', lit('formula; = <N.L>;', 'l: directional, <0,1,0>', shadows=False)[0], (-1., -1., -1.))
+ok('a body far away hides the sun', lit('formula; = <1>;', 'l: directional, <0,-1,0>', others='b: sphere, center <0,9e5,0>, radius 1;')[0], (0., 0., 0.))
+
+SPOT = 'l: spot, <0,2,0>, target <0,-1,0>, angle 30, soft 10'
+for degrees, factor in ((0, 1), (19.9, 1), (22.5, .84375), (25, .5), (27.5, .15625), (30.1, 0), (60, 0)):
+    at, inside = (2 * math.tan(math.radians(degrees)), 0.), float(factor > 0)
+    ok('spot %g' % degrees, lit('formula; = IL;', SPOT, at)[0], (factor,) * 3, 1e-9)
+    ok('spot, what does not read IL', lit('formula; = <1>;', SPOT, at)[0], (inside,) * 3)
+    ok('spot, visible', lit('formula; = IL + <visible>;', SPOT, at)[0], (factor + 1.,) * 3, 1e-9)
+    ok('spot, no shadow rays', lit('formula; = <1>;', SPOT, at, shadows=False)[0], (inside,) * 3)
+for angle, x, factor in ((45, 1.99, 1), (45, 2.01, 0), (90, 1000, 1), (180, 3, 1), (1e-3, 3e-5, 1), (1e-3, 4e-5, 0)):
+    ok('sharp spot', lit('formula; = IL;', 'l: spot, <0,2,0>, target <0,1,0>, angle %f' % angle, (x / 25., 0.) if x == 1000 else (x, 0.))[0], (float(factor),) * 3)
+ok('upwards', lit('formula; = IL;', 'l: spot, <0,2,0>, target <0,3,0>, angle 179.9')[0], (0., 0., 0.))
+
+for x, z in ((0., 0.), (2., 1.), (-7., 3.)):     # a sphere of radius 1 at a height of 3
+    D = math.sqrt(x * x + z * z + 9)
+    ok('sphere, 1/dist^2', lit('formula; = <1/dist^2>;', 'l: sphere, center <0,3,0>, radius 1', (x, z), points=40)[0][0],
+       math.log((D + 1) / (D - 1)) / (2 * D), 2e-5)                    # integral over its zones
+    ok('sphere, form factor', lit('formula; P = point + dist*L; = <max(0,N.L)*max(0,-(L.(P - <0,3,0>)))/dist^2>;', 'l: sphere, center <0,3,0>, radius 1',
+                                  (x, z), points=100)[0][0], 3 / D / (4 * D * D), 2e-5)
+# a rectangle: Lambert's formula for polygons
+for x, z in ((0., 0.), (1.5, -.5), (-4., 3.)):
+    corners = [(a - x, 2., b - z) for a, b in ((-1., -.5), (1., -.5), (1., .5), (-1., .5))]
+    angles = [(normalize(p), normalize(q)) for p, q in zip(corners, corners[1:] + corners[:1])]
+    polygon = abs(sum(acos(dot(p, q)) * normalize(cross(p, q))[1] for p, q in angles)) / (2 * math.pi)
+    ok('rectangle', lit('formula; = <max(0,N.L)*max(0,L.<0,1,0>)/dist^2>;', 'l: rectangle, <-1,2,-0.5>, <1,2,-0.5>, <1,2,0.5>', (x, z), points=40)[0][0],
+       math.pi * polygon / 2, 2e-5)
+for corners in ('<-1,2,-0.5>, <1,2,-0.5>, <1,2,0.5>', '<1,2,0.5>, <1,2,-0.5>, <-1,2,-0.5>'):
+    ok('both sides', lit('formula; = <1>;', 'l: rectangle, ' + corners, points=3)[0], (1., 1., 1.))
+# the edge of a roof halves a square light, and one pass is 0 or 1
+mean, variance = lit('formula; = <1>;', 'l: rectangle, <-1,2,-1>, <1,2,-1>, <1,2,1>', others='roof: rectangle, <-9,1,-9>, <0,1,-9>, <0,1,9>;', points=10, sets=['l.ki=0.5'])
+ok('half hidden', mean, (.5 * .5,) * 3)
+ok('variance of a pass', variance, (.25 * .25,) * 3)
+
+# environments: under white light a matte surface has its own colour; a ball hides (r/D)^2 cos
+WHITE_SKY = 'l: environment, rotate 20'
+for points, tolerance in ((8, 1e-2), (32, 6e-4)):
+    ok('white', lit('formula; = IL*Cd*max(0,N.L);', WHITE_SKY, points=points, sets=['floor.Cd=<0.2,0.5,1>', 'l.IL=<1,0.5,1>'])[0], (.2, .25, 1.), tolerance)
+ok('white, many turns', lit('formula; = <max(0,N.L)>;', WHITE_SKY, points=4, turns=64)[0], (1., 1., 1.), 1e-3)
+ok('a ball above', lit('formula; = <max(0,N.L)>;', WHITE_SKY, points=32, turns=16, others='b: sphere, center <1,2,0.5>, radius 1;')[0],
+   (1 - 2 / 5.25 ** 1.5,) * 3, 1e-3)
+ok('all directions', lit('formula; = <1>;', WHITE_SKY, points=8, shadows=False)[0], (4., 4., 4.), 1e-9)
+ok('dist', lit('formula; = <dist>;', WHITE_SKY, points=8, shadows=False)[0][0] / 4e30, 1., 1e-9)
+# one pass draws a direction evenly: E = 4 cos above, so the variance is (1/2) 16/3 - 1
+ok('variance', lit('formula; = <max(0,N.L)>;', WHITE_SKY, points=64)[1], (8 / 3 - 1,) * 3, 1e-2)
+rows = [[(float(i), float(j), 1.) for i in range(8)] for j in range(4)]
+d = lambda longitude, latitude: tuple(map(float, (math.cos(latitude) * math.sin(longitude), math.sin(latitude), math.cos(latitude) * math.cos(longitude))))
+for turned in (0, 90, -30, 400):
+    sky, back = r.lights.Environment(rows, turned), math.radians(turned)
+    ok('the middle is +z', sky.radiance(d(back, 0.)), (3.5, 1.5, 1.), 1e-9)
+    ok('+x is left of the middle', sky.radiance(d(back + math.pi / 2, 0.)), (1.5, 1.5, 1.), 1e-9)
+    ok('up is +y', sky.radiance(d(back + math.pi / 2, 1.5)), (1.5, 0., 1.), 1e-9)
+    ok('the edges are -z', sky.radiance(d(back + math.pi, -1.5)), (3.5, 3., 1.), 1e-9)
+    ok('a texel', sky.radiance(d(back + math.pi * 5 / 8, math.pi / 8)), (1., 1., 1.), 1e-9)
+ok('no numbers', r.lights.Environment([[(NAN, -1., 2.)]], 0).radiance((0., 1., 0.)), (0., 0., 2.))
+t = make('formula; = <0>;', 'bodies; m: sphere, center <0,0,0>, radius 1; lights; l: environment; ' + CAM, sets=['m.kr=0.5', 'ka=0', 'l.IL=<1,0.5,0>', 'l.ki=0.5', 'background=<0.1,0,0>'])
+ok('a ray that leaves the scene', shoot(t, (0., 0., 5.), (0., 1., 0.)), (.6, .25, 0.))
+ok('a mirror', shoot(t, (0., 0., 5.), (0., 0., -1.)), (.3, .125, 0.))
+
+for bad in ('directional, <0,0,0>', 'directional, <0,0,0>, <1,1,1>', 'spot, <0,0,0>, target <0,0,0>, angle 3', 'spot, <0,0,0>, target <0,1,0>, angle 0',
+            'spot, <0,0,0>, target <0,1,0>, angle 181', 'spot, <0,0,0>, target <0,1,0>, angle 20, soft 21', 'spot, <0,0,0>, target <0,1,0>, angle 20, soft -1',
+            'sphere, center <0,0,0>, radius 0', 'rectangle, <0,0,0>, <1,0,0>, <2,0,0>', 'environment, 3', 'environment; m: environment', 'lamp, <0,0,0>'):
+    try:
+        make('formula; = N;', FLOOR % ('', 'l: ' + bad))
+    except Wrong:
+        count += 1
+    else:
+        raise AssertionError('accepted: ' + bad)
 print(count, 'checks passed')
