@@ -185,34 +185,35 @@ E = 0.01
 SHIFTS = ((E, E), (E, -E), (-E, E), (-E, -E))
 
 
-def disagreement(path, folder, made, effort, backend):
-    """-> what disagrees, or None, and what the program wrote about it"""
+def disagreement(path, folder, made, effort, backend, before=None):
+    """-> what disagrees, or None; what the program wrote about it; the picture of the reference.  before: the latter, with less effort"""
     sets, background, depth, shadows, sampled = made
     passes = PASSES * effort if sampled else 1
     ours, command, messages = program(path, folder, sets, background, depth, shadows, passes, backend)
     with open(folder + '/command', 'w') as f:
         f.write(' '.join("'%s'" % c for c in command) + '\n' + messages)
     if ours is None:
-        return 'the program failed: ' + messages, messages
+        return 'the program failed: ' + messages, messages, None
     if not np.isfinite(ours).all():
-        return 'not finite: %d components' % (~np.isfinite(ours)).sum(), messages
+        return 'not finite: %d components' % (~np.isfinite(ours)).sum(), messages, None
     if not sampled:
         theirs, stable, _ = expected(folder, sets, background, depth, shadows, 1, 1, SHIFTS)
         off = (np.abs(ours - theirs) / np.maximum(1, np.abs(theirs))).max(axis=-1) * stable
         if (off > 2e-3).sum() > 0:
             y, x = np.unravel_index(off.argmax(), off.shape)
-            return '%d of %d pixels; worst at %d,%d: ours %s, theirs %s' % ((off > 2e-3).sum(), stable.sum(), x, y, ours[y, x], theirs[y, x]), messages
-        return None, messages
+            return '%d of %d pixels; worst at %d,%d: ours %s, theirs %s' % ((off > 2e-3).sum(), stable.sum(), x, y, ours[y, x], theirs[y, x]), messages, None
+        return None, messages, None
     theirs, _, deviations = expected(folder, sets, background, depth, shadows, 4 * effort, 2 + effort, ())
     d = ours - theirs
     mean, error, whole = d.mean(axis=(0, 1)), d.std(axis=(0, 1)) / math.sqrt(WIDTH * HEIGHT), theirs.mean(axis=(0, 1))
     error = np.maximum(error, 1e-30)
     noise = np.sqrt((deviations ** 2).mean() / passes)
     root = np.sqrt((d ** 2).mean())
-    text = 'mean off by %s of %s, %s standard errors; root mean square %.3g, noise of passes %.3g' % (mean, whole, (mean / error).round(1), root, noise)
-    if (np.abs(mean) > 5 * error + 5e-3 * np.abs(whole) + 1e-6).any() or root > 1.5 * noise + 0.02 * np.abs(whole).max() + 1e-6:
-        return text, messages
-    return None, messages
+    grid = 0.0 if before is None else np.sqrt(((theirs - before) ** 2).mean())           # what the grid misses
+    text = 'mean off by %s of %s, %s standard errors; root mean square %.3g, noise of passes %.3g, of the grid %.3g' % (mean, whole, (mean / error).round(1), root, noise, grid)
+    if (np.abs(mean) > 5 * error + 5e-3 * np.abs(whole) + 1e-6).any() or root > 1.5 * noise + grid + 0.02 * np.abs(whole).max() + 1e-6:
+        return text, messages, theirs
+    return None, messages, None
 
 
 def main():
@@ -235,9 +236,9 @@ def main():
         open(folder + '/s.scene', 'w').write(scene)
         backend = 'jit' if seed % 4 else 'interpreter'
         try:
-            wrong, messages = disagreement(o.program, folder, made, 1, backend)
-            if wrong and not wrong.startswith('the program') and maker.sampled:
-                wrong, messages = disagreement(o.program, folder, made, 2, backend)
+            wrong, messages, before = disagreement(o.program, folder, made, 1, backend)
+            if before is not None:
+                wrong, messages, _ = disagreement(o.program, folder, made, 2, backend, before)
         except Exception as e:
             wrong, messages = 'the reference fails: %r' % e, ''
         count += 1

@@ -1425,16 +1425,16 @@ def primary(scene, x, y, width, height):
 def render_row(job):
     """-> RGB of the row's pixels, NaN already 0; with `shifts` also whether each is stable; the standard deviations of one pass."""
     tracer, y, width, height, samples, offset, shifts = job
+    count = samples * samples
+    step = lights.generator(count, 0.29)
 
     def pixel(x, dx, dy):
         total, squares, tracer.variance = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        for j in range(samples):                 # regular grid: centres of n x n subpixels
-            for i in range(samples):
-                d = primary(tracer.scene, x + (i + 0.5) / samples + dx, y + (j + 0.5) / samples + dy, width, height)
-                tracer.turn = (j * samples + i, samples * samples, y * width + x)
-                c = tracer.color(tracer.scene.eye, d, (None, None), 1)
-                total, squares = vadd(total, c), vadd(squares, vmul(c, c))
-        count = samples * samples
+        for k in range(count):                   # [CHOICE 21]
+            d = primary(tracer.scene, x + (k + 0.5) / count + dx, y + (k * step + 0.5) / count % 1 + dy, width, height)
+            tracer.turn = (k, count, y * width + x)
+            c = tracer.color(tracer.scene.eye, d, (None, None), 1)
+            total, squares = vadd(total, c), vadd(squares, vmul(c, c))
         c = vover(total, count)
         variance = vover(vadd(vsub(squares, vmul(total, c)), tracer.variance), count)
         return tuple(0.0 if v != v else v for v in c), tuple(sqrt(max(v, 0.0)) for v in variance)      # [CHOICE 8] NaN -> 0 after the average
