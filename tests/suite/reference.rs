@@ -100,10 +100,11 @@ fn check(name: &str, backend: &str) -> Result<(), String> {
 
 /// What is wrong with a mean of `passes` passes, if anything. All three are components of pixels, row by row.
 ///
-/// - The root of the mean square of the differences is at most that of independent passes, sqrt(mean(deviation²) / passes).
-///   The program's passes are spread evenly and do better, and so leave room for what the reference misses.
-/// - The mean difference of each of red, green and blue is at most four times its standard error, which follows from how
-///   the differences of pixels scatter, and 0.1 % of the mean for what the grids of the reference miss.
+/// - The root of the mean square of the differences is at most that of independent passes,
+///   sqrt(mean(deviation²) / passes). The program's passes are spread evenly and do better, and so leave room for what
+///   the reference misses.
+/// - The mean difference of each of red, green and blue is at most four times its standard error, which follows from
+///   how the differences of pixels scatter, and 0.1 % of the mean for what the grids of the reference miss.
 fn judge(ours: &[f32], theirs: &[f64], deviations: &[f32], passes: u32) -> Result<(), String> {
     let pixels = (ours.len() / 3) as f64;
     let differences: Vec<f64> = ours.iter().zip(theirs).map(|(ours, theirs)| f64::from(*ours) - theirs).collect();
@@ -129,7 +130,7 @@ fn judge(ours: &[f32], theirs: &[f64], deviations: &[f32], passes: u32) -> Resul
     Ok(())
 }
 
-/// Compares a case of lights with noise. With so many passes, the comparison must tell a picture that is 1 % brighter.
+/// Compares a case of lights with noise. With [`MANY`] passes, it must tell a picture that is 1 % brighter.
 fn check_sampled(name: &str, backend: &str, passes: u32) -> Result<(), String> {
     let options = ["--size", "32x24", "--backend", backend, "--samples", &passes.to_string()];
     let ours = render(&format!("sampled/{name}"), &options)?;
