@@ -1,11 +1,11 @@
 """The peer of pictures of many passes in Mitsuba 3: the same scenes in both programs, whether their pictures agree, and
 how long a new picture takes after a colour has changed.
 
-Six scenes are written for both programs. All matte bodies follow Lambert's law with the same colours, mirrors reflect
+Seven scenes are written for both programs. All matte bodies follow Lambert's law with the same colours, mirrors reflect
 everything, and glass follows Fresnel's law with the index 1.5.
 
     white        three matte balls on a matte floor, under a constant environment of radiance 1
-    image        the same under the environment that --hdr names
+    image        the same under the environment that --hdr names: .exr, .hdr, or .exr in base64 in .js
     specular     a mirror ball, a glass ball and a mirror rectangle under that image, without a floor
     mixed        a matte, a mirror and a glass ball on a matte floor, under that image
     bulb         matte balls and floor, lit by a sphere
@@ -34,10 +34,12 @@ DRJIT_LIBLLVM_PATH names the libLLVM.so to be used. Dr.Jit 1.5 fails with LLVM 1
 works. Both programs use as many threads as --threads says.
 """
 import argparse
+import base64
 import json
 import math
 import os
 import platform
+import re
 import statistics
 import subprocess
 import sys
@@ -201,6 +203,12 @@ def write_images(source, folder):
     Illuminator puts row j of n at the polar angle (j + 1/2) pi / n, and Mitsuba at j pi / (n - 1). So Mitsuba's copy has
     2 n + 1 rows, with means between those of the file. Its interpolation is the same function of the direction then.
     """
+    if source.endswith(".js"):
+        encoded = re.search(r"base64,([A-Za-z0-9+/=]+)", Path(source).read_text())
+        if not encoded:
+            fail(f"{source} has no image in base64")
+        source = str(folder / "given.exr")
+        Path(source).write_bytes(base64.b64decode(encoded[1]))
     image = mi.Bitmap(source).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32)
     rows = np.maximum(np.array(image), 0.0)
     twice = np.empty((2 * len(rows) + 1, *rows.shape[1:]), np.float32)
@@ -471,7 +479,7 @@ def processor():
 
 def options_of():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
-    parser.add_argument("--hdr", required=True, help="environment in latitude-longitude form, .exr or .hdr")
+    parser.add_argument("--hdr", required=True, help="environment in latitude-longitude form: .exr, .hdr or .exr.js")
     parser.add_argument("--illuminator", default=str(ROOT / "target/release/illuminator"))
     parser.add_argument("--threads", type=int, default=os.cpu_count())
     parser.add_argument("--cases", default=",".join(CASES), help="the scenes, with commas between them")
