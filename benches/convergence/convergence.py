@@ -9,14 +9,15 @@ light that needs passes, by running `illuminator render`.
     specular     a mirror ball and a glass ball beside a matte one, under `preset:softboxes`
     image        an environment in latitude-longitude form, if --hdr names one
 
-Each scene is three balls on a floor with Lambert's model. The error is the root mean square over pixels and components,
-divided by the mean of the picture. An exponent is the slope of a straight line through the logarithms of errors and
-passes, for 4 to 256 passes: with fewer, the first pass counts too much, whose rays go through the centres of pixels; with
-more, the error of the reference is seen.
+Each scene is three balls on a floor with Lambert's model. The error is the root mean square over pixels and
+components, divided by the mean of the picture. An exponent is the slope of a straight line through the logarithms of
+errors and passes, for 4 to 256 passes: with fewer, the first pass counts too much, whose rays go through the centres
+of pixels; with more, the error of the reference is seen.
 
-The numbers of a pixel depend on its index. So a picture with one more row at the top and at the bottom, with a field of
-view that leaves the others where they are, has other numbers in each pixel: another scramble. Each scene is measured with
-both scrambles, each against the reference of the other one, so that no pass is part of its own reference.
+The numbers of a pixel depend on its index. So a picture with one more row at the top and at the bottom, with a field
+of view that leaves the others where they are, has other numbers in each pixel: another scramble. Each scene is
+measured with both scrambles, each against the reference of the other one, so that no pass is part of its own
+reference.
 
     pip install numpy OpenEXR
     convergence.py [--illuminator PROGRAM] [--hdr FILE.exr] [--svg FILE] [--json FILE] [--cases sphere,sky]
@@ -80,8 +81,8 @@ def write_session(folder, name, scramble):
     (folder / "lambert.formula").write_text(FORMULA)
     (folder / f"{name}{scramble}.scene").write_text(f"{bodies}lights;\n{lights}{CAMERA % fov}")
     lines = [
-        "version = 1", 'formula = "lambert.formula"', f'scene = "{name}{scramble}.scene"', f"size = [{WIDTH}, {height}]",
-        "depth = 5", "shadows = true", "[global]", "ka = 0.0",
+        "version = 1", 'formula = "lambert.formula"', f'scene = "{name}{scramble}.scene"',
+        f"size = [{WIDTH}, {height}]", "depth = 5", "shadows = true", "[global]", "ka = 0.0",
     ]
     specular = {"middle": SPECULAR_MIDDLE, "right": SPECULAR_RIGHT} if name == "specular" else {}
     for body, values in {**VALUES, **specular}.items():
@@ -156,7 +157,8 @@ def svg(results):
     rows = -(-len(results) // COLUMNS)
     size = (900, FIRST[1] + STEP[1] * rows + LEGEND)
     lines = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{size[0]}" height="{size[1]:g}" viewBox="0 0 {size[0]} {size[1]:g}" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{size[0]}" height="{size[1]:g}" '
+        f'viewBox="0 0 {size[0]} {size[1]:g}" '
         'font-family="Helvetica, Arial, sans-serif" font-size="12" fill="#222">',
         "<title>How the error falls with the number of passes</title>",
         f'<rect width="{size[0]}" height="{size[1]:g}" fill="white"/>',
@@ -196,8 +198,8 @@ def svg(results):
     for style, label, width in entries:
         lines += [f'<path d="M{left} 0h34" {style}/>', f'<text x="{left + 42}" y="4">{label}</text>']
         left += width
-    lines += [f'<text x="0" y="28">across: passes; upwards: error, of the mean of the picture; {WIDTH}×{HEIGHT} pixels, '
-              f"against {REFERENCE} passes of the other scramble</text>", "</g>", "</svg>"]
+    lines += [f'<text x="0" y="28">across: passes; upwards: error, of the mean of the picture; '
+              f"{WIDTH}×{HEIGHT} pixels, against {REFERENCE} passes of the other scramble</text>", "</g>", "</svg>"]
     return "\n".join(lines) + "\n"
 
 
@@ -221,7 +223,8 @@ def main():
         results = json.loads(Path(options.from_json).read_text())
     else:
         shown = [1, 4, 16, 64, 256, 1024]
-        print(f"{'scene':11}{'exponents':>15}  errors in % of the mean, with passes {shown}; reference: error, s, MiB (4 passes)")
+        print(f"{'scene':11}{'exponents':>15}  errors in % of the mean, with passes {shown}; "
+              "reference: error, s, MiB (4 passes)")
         with tempfile.TemporaryDirectory() as folder:
             for name in names:
                 result = results[name] = measure(options.illuminator, Path(folder), name)

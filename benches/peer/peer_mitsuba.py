@@ -1,8 +1,8 @@
 """The peer of pictures of many passes in Mitsuba 3: the same scenes in both programs, whether their pictures agree, and
 how long a new picture takes after a colour has changed.
 
-Seven scenes are written for both programs. All matte bodies follow Lambert's law with the same colours, mirrors reflect
-everything, and glass follows Fresnel's law with the index 1.5.
+Seven scenes are written for both programs. All matte bodies follow Lambert's law with the same colours, mirrors
+reflect everything, and glass follows Fresnel's law with the index 1.5.
 
     white        three matte balls on a matte floor, under a constant environment of radiance 1
     image        the same under the environment that --hdr names: .exr, .hdr, or .exr in base64 in .js
@@ -12,26 +12,28 @@ everything, and glass follows Fresnel's law with the index 1.5.
     panel        the same, lit by a rectangle
     mesh         the four meshes of the shader ball, matte, on a floor, under the image
 
-Illuminator's equation has direct light and chains of mirrors and glass, but no light from one matte surface to another.
-So Mitsuba draws matte scenes with its integrator `direct` (one sample of the lights, none of the surface) and the scene
-of mirrors and glass with `path`. No integrator of Mitsuba stops at the first matte surface behind mirrors. For `mixed`
-this file has one, `ChainIntegrator`, that calls Mitsuba's rays, surfaces and emitters.
+Illuminator's equation has direct light and chains of mirrors and glass, but no light from one matte surface to
+another. So Mitsuba draws matte scenes with its integrator `direct` (one sample of the lights, none of the surface)
+and the scene of mirrors and glass with `path`. No integrator of Mitsuba stops at the first matte surface behind
+mirrors. For `mixed` this file has one, `ChainIntegrator`, that calls Mitsuba's rays, surfaces and emitters.
 
-Pictures are 320 x 180 and have 1024 samples. Both are averaged over blocks of 10 x 10 pixels, because single pixels have
-noise. A block's difference is relative to Mitsuba's block, or to a twentieth of the mean of the picture where that is
-more. The script fails with status 1 if the mean over the blocks is more than 1 %. The same difference between two
-pictures of Mitsuba with different seeds is printed beside it: it is the noise of such a picture.
+Pictures are 320 x 180 and have 1024 samples. Both are averaged over blocks of 10 x 10 pixels, because single pixels
+have noise. A block's difference is relative to Mitsuba's block, or to a twentieth of the mean of the picture where
+that is more. The script fails with status 1 if the mean over the blocks is more than 1 %. The same difference between
+two pictures of Mitsuba with different seeds is printed beside it: it is the noise of such a picture.
 
-Times are of 1280 x 720 with 64 samples. Mitsuba: a colour is set by `mi.traverse`, the scene is updated, and the picture
-is rendered into a numpy array. Illuminator: `bench` drags a weight in images, and the exponent of a highlight in all
-passes. Its formula has a highlight there, which Mitsuba's surfaces have not. Medians of several, after one to warm up.
+Times are of 1280 x 720 with 64 samples. Mitsuba: a colour is set by `mi.traverse`, the scene is updated, and the
+picture is rendered into a numpy array. Illuminator: `bench` drags a weight (kd) in images, and the exponent of a
+highlight (h) in all passes, of a ball and of the floor, which is most of the picture. Its formula has a highlight
+there, which Mitsuba's surfaces have not. Medians of several, after one to warm up. Ratios are times of Mitsuba's
+variant llvm_ad_rgb by times of Illuminator.
 
     pip install mitsuba numpy OpenEXR
     peer_mitsuba.py --hdr FILE.exr [--illuminator PROGRAM] [--threads N] [--json FILE] [--cases image,mesh]
                     [--no-pictures] [--no-times] [--runs N] [--scalar-runs N] [--work FOLDER]
 
-DRJIT_LIBLLVM_PATH names the libLLVM.so to be used. Dr.Jit 1.5 fails with LLVM 14 to 16; that of a Rust toolchain (22.1)
-works. Both programs use as many threads as --threads says.
+DRJIT_LIBLLVM_PATH names the libLLVM.so to be used. Dr.Jit 1.5 fails with LLVM 14 to 16; that of a Rust toolchain
+(22.1) works. Both programs use as many threads as --threads says.
 """
 import argparse
 import base64
@@ -55,6 +57,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PICTURE, PICTURE_SAMPLES, BLOCK = (320, 180), 1024, 10
 FRAME, FRAME_SAMPLES = (1280, 720), 64
 LIMIT = 0.01
+SLIDERS = ["ball.kd", "floor.kd", "ball.h", "floor.h"]
 CAMERA = {"position": (0.0, 2.2, 7.0), "gaze": (0.0, -0.22, -1.0), "up": (0.0, 1.0, 0.0), "fov": 36.0}
 FLOOR = ("floor", ("rectangle", (-9, 0, -9), (9, 0, -9), (9, 0, 9)), ("matte", (0.6, 0.55, 0.5)))
 BALLS = [
@@ -200,8 +203,8 @@ def scene_of(bodies, light):
 def write_images(source, folder):
     """Copies an environment for both programs. Components below 0 become 0: Illuminator does so, and Mitsuba does not.
 
-    Illuminator puts row j of n at the polar angle (j + 1/2) pi / n, and Mitsuba at j pi / (n - 1). So Mitsuba's copy has
-    2 n + 1 rows, with means between those of the file. Its interpolation is the same function of the direction then.
+    Illuminator puts row j of n at the polar angle (j + 1/2) pi / n, and Mitsuba at j pi / (n - 1). So Mitsuba's copy
+    has 2 n + 1 rows, with means between those of the file. Its interpolation is the same function of the direction then.
     """
     if source.endswith(".js"):
         encoded = re.search(r"base64,([A-Za-z0-9+/=]+)", Path(source).read_text())
@@ -224,7 +227,7 @@ def write_session(folder, name, highlight):
             write_mesh(shape[1], folder / f"{shape[1]}.ply")
     (folder / f"{name}.scene").write_text(scene_of(bodies, light))
     (folder / f"{name}.formula").write_text(formula_of(light, highlight))
-    lines = ["version = 1", f'formula = "{name}.formula"', f'scene = "{name}.scene"', f"depth = {depth}", "shadows = true"]
+    lines = ["version = 1", f'formula = "{name}.formula"', f'scene = "{name}.scene"', f"depth = {depth}"]
     for body, _, material in bodies:
         lines += [f"[bodies.{body}]"]
         if material[0] == "matte":
@@ -266,17 +269,14 @@ def our_picture(options, folder, name):
 
 
 def our_times(options, folder, name):
-    """Milliseconds of a drag in images, of a drag of the exponent, and of a full evaluation."""
+    """What `bench` says of all passes, with the drags by their sliders."""
     session = write_session(folder, name, True)
     size = "x".join(map(str, FRAME))
-    text = run_illuminator(options, "bench", session, "--size", size, "--samples", options.samples, "--runs", options.runs,
-                           "--memory", options.memory, "--slider", "ball.kd", "--slider", "ball.h", "--json")
+    sliders = [word for slider in SLIDERS for word in ("--slider", slider)]
+    text = run_illuminator(options, "bench", session, "--size", size, "--samples", options.samples,
+                           "--runs", options.runs, "--memory", options.memory, "--json", *sliders)
     report = json.loads(text)["passes"]
-    drags = {drag["parameter"]: drag for drag in report["drag"]}
-    return {
-        "kd": drags["ball.kd"], "h": drags["ball.h"], "full_ms": report["full_ms"], "trace_ms": report["trace_ms"],
-        "prepare_ms": report["prepare_ms"], "bytes_per_pixel": report["bytes_per_pixel"],
-    }
+    return {**report, "drag": {drag["parameter"]: drag for drag in report["drag"]}}
 
 
 # ---- Mitsuba ---------------------------------------------------------------------------------------------------------
@@ -285,7 +285,7 @@ def our_times(options, folder, name):
 def mitsuba_rectangle(corners):
     a, b, c = (np.array(corner, float) for corner in corners)
     matrix = np.eye(4)
-    matrix[:3, 0], matrix[:3, 1], matrix[:3, 2], matrix[:3, 3] = (c - b) / 2, (b - a) / 2, normal_of(a, b, c), (a + c) / 2
+    matrix[:3] = np.stack([(c - b) / 2, (b - a) / 2, normal_of(a, b, c), (a + c) / 2], axis=1)
     return {"type": "rectangle", "to_world": mi.ScalarTransform4f(matrix)}
 
 
@@ -299,7 +299,8 @@ def mitsuba_shape(folder, shape):
 
 def mitsuba_surface(material):
     if material[0] == "matte":
-        return {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": list(material[1])}}}
+        colour = {"type": "rgb", "value": list(material[1])}
+        return {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": colour}}
     if material[0] == "mirror":
         return {"type": "twosided", "bsdf": {"type": "conductor", "material": "none"}}
     return {"type": "dielectric", "int_ior": material[1], "ext_ior": 1.0}
@@ -439,8 +440,8 @@ def compare_pictures(options, folder, names):
 
 def compare_times(options, folder, names):
     print(f"\ntimes, {FRAME[0]} x {FRAME[1]}, {options.samples} samples, {options.threads} threads, medians in ms")
-    print(f"{'scene':10}{'integrator':>11}{'Mitsuba LLVM':>14}{'scalar':>10}{'kd':>9}{'h':>9}{'LLVM/kd':>10}{'LLVM/h':>9}"
-          f"{'scalar/kd':>11}{'scalar/h':>10}")
+    print(f"{'scene':10}{'integrator':>11}{'LLVM':>9}{'scalar':>9}" + "".join(f"{slider:>10}" for slider in SLIDERS)
+          + "   LLVM / each slider")
     results = {}
     for name in names:
         kinds = CASES[name][4]
@@ -458,13 +459,11 @@ def compare_times(options, folder, names):
             mi.set_variant("llvm_ad_rgb")
             results[name]["mitsuba"][kind] = taken
             medians = {variant: statistics.median(times) for variant, times in taken.items()}
-            drags = [ours["kd"]["frame_ms"], ours["h"]["frame_ms"]]
+            drags = [ours["drag"][slider]["frame_ms"] for slider in SLIDERS]
             cells = [medians.get("llvm_ad_rgb"), medians.get("scalar_rgb")]
-            text = "".join("-".rjust(width) if cell is None else f"{cell:{width}.0f}" for cell, width in zip(cells, (14, 10)))
-            ratios = [None if cell is None else cell / drag for cell in cells for drag in drags]
-            text += "".join(f"{drag:9.3f}" for drag in drags)
-            text += "".join("-".rjust(width) if ratio is None else f"{ratio:{width}.0f}"
-                            for ratio, width in zip(ratios, (10, 9, 11, 10)))
+            text = "".join("-".rjust(9) if cell is None else f"{cell:9.0f}" for cell in cells)
+            text += "".join(f"{drag:10.3f}" for drag in drags) + "   "
+            text += "  ".join(f"{cells[0] / drag:.0f}" for drag in drags if cells[0] is not None)
             print(f"{name:10}{kind:>11}{text}", flush=True)
     return results
 
