@@ -10,8 +10,10 @@ use illuminator::backends::{DEFAULT, REFERENCE};
 use illuminator::engine::{Engine, Subject, Task};
 use illuminator::evaluate::{Drag, Evaluator, Framebuffer};
 use illuminator::formula::ParameterId;
+use illuminator::lang::diagnostic::Diagnostic;
 use illuminator::lang::types::Type;
 use illuminator::picture::Transfer;
+use illuminator::trace::Hits;
 use illuminator::workspace::project::Project;
 use illuminator::workspace::{OwnerId, Values};
 use serde::Serialize;
@@ -188,7 +190,7 @@ fn measure(options: &Options, input: &Project, sliders: &[Slider]) -> Result<Rep
         .collect::<Result<Vec<_>, _>>()?;
     let jit_bytes = (evaluator.bytes() + size_of_val(&*framebuffer.pixels)) as f64;
     let passes = match options.samples {
-        Some(passes) => Some(measure_passes(passes, options, input, (&engine, evaluator), sliders)?),
+        Some(passes) => Some(measure_passes(passes, options, input, (&engine, &hits, evaluator), sliders)?),
         None => None,
     };
     let (interpreter_ms, interpreter_bytes) = interpreted(options, subject, numbers, &mut framebuffer)?;
@@ -217,9 +219,10 @@ fn measure_passes(
     passes: u32,
     options: &Options,
     input: &Project,
-    (engine, first): (&Engine, Arc<dyn Evaluator>),
+    (engine, hits, first): (&Engine, &Arc<Hits>, Arc<dyn Evaluator>),
     sliders: &[Slider],
 ) -> Result<PassesReport, Failure> {
+    check_memory(passes, engine, &input.subject, hits)?;
     let progress = Progress::new("measuring passes");
     let (mut evaluator, mut trace, mut prepare) = (Arc::clone(&first), Duration::ZERO, Duration::ZERO);
     for pass in 1..passes {
@@ -255,6 +258,17 @@ fn measure_passes(
         bytes_per_pixel: evaluator.bytes() as f64 / f64::from(view.pixels()),
         drag: drags.collect::<Result<_, Failure>>()?,
     })
+}
+
+/// Checks that there is memory for this many passes. Each takes about as much as the first, with these hits.
+fn check_memory(passes: u32, engine: &Engine, subject: &Subject, hits: &Arc<Hits>) -> Result<(), Failure> {
+    let bytes = engine.kept_bytes(subject, hits).map_err(engine::failed)?.saturating_mul(u64::from(passes));
+    let (needed, limit) = (bytes.div_ceil(1 << 20), engine.memory() >> 20);
+    if needed <= limit {
+        return Ok(());
+    }
+    let error = Diagnostic::error(format!("{passes} passes take about {needed} MiB, and the limit is {limit} MiB"));
+    Err(Failure::Input(error.help("measure fewer passes or a smaller picture; `--memory SIZE` allows more")))
 }
 
 /// A frame by the interpreter: the time to run the programs, and their size in bytes.

@@ -38,7 +38,10 @@ pub trait Drag: Send {
         None
     }
 
-    /// Does a part of the preparation, about as much work as one full evaluation. Returns whether everything is
+    /// Whether the last frame is that of all passes, without evaluating only some of them anywhere.
+    fn is_of_all_passes(&self) -> bool;
+
+    /// Does a part of the preparation, about as much work as one full evaluation of a pass. Returns whether everything is
     /// prepared.
     fn prepare(&mut self) -> bool;
 
@@ -103,6 +106,10 @@ impl Drag for WholeFrames {
             frame.add(rest);
             framebuffer.set(&frame);
         }
+    }
+
+    fn is_of_all_passes(&self) -> bool {
+        self.some.is_none()
     }
 
     fn prepare(&mut self) -> bool {

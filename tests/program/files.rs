@@ -291,6 +291,8 @@ fn pictures_of_several_passes_are_measured_beside_those_of_one() {
         assert!(number(&format!("/passes/drag/{drag}/frame_ms")) > 0.0, "{json}");
         assert!(number(&format!("/passes/drag/{drag}/one_pass_ms")) > 0.0, "{json}");
     }
+    let refused = told(folder.path(), "bench session.toml --runs 1 --samples 4000 --memory 1 --slider ball.kd --size 64x48");
+    assert!(refused.contains("passes take about") && refused.contains("`--memory SIZE` allows more"), "{refused}");
     assert!(number("/passes/bytes_per_pixel") > number("/bytes_per_pixel/jit"), "all passes are kept: {json}");
 }
 

@@ -129,6 +129,10 @@ impl Drag for TexturedDrag {
         self.own.frame(parameters, framebuffer);
     }
 
+    fn is_of_all_passes(&self) -> bool {
+        self.own.is_of_all_passes()
+    }
+
     fn linear(&self, parameters: &[f32]) -> Option<Frame> {
         self.compiled.textures.are_in(parameters).then(|| self.own.linear(parameters)).flatten()
     }

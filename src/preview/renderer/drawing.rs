@@ -299,8 +299,7 @@ impl DrawingWorker {
         Some(match self.held.as_mut()? {
             Held { drag: Readiness::Made(drag), .. } => {
                 drag.frame(numbers, framebuffer);
-                let is_exact = drag.method() == Method::Images && drag.is_ready();
-                (drag.method(), some(if is_exact { all } else { soon }))
+                (drag.method(), some(if drag.is_of_all_passes() { all } else { soon }))
             }
             Held { interim: Some(interim), .. } => {
                 interim.frame(numbers, framebuffer);

@@ -459,6 +459,10 @@ impl Drag for ColumnsDrag {
         framebuffer.set(&self.picture(parameters).map_or_else(|| self.evaluator.frame(parameters), frame));
     }
 
+    fn is_of_all_passes(&self) -> bool {
+        true
+    }
+
     fn prepare(&mut self) -> bool {
         if self.is_ready {
             return true;

@@ -224,6 +224,15 @@ impl Drag for CompiledDrag {
         Some(frame)
     }
 
+    fn is_of_all_passes(&self) -> bool {
+        let is_known = |tile: &TileDrag| match tile.state {
+            TileState::Untouched => true,
+            TileState::Images { right, .. } => right,
+            TileState::Live(_) | TileState::Whole(_) => false,
+        };
+        self.passes == self.compiled.passes.len() || self.is_ready() && self.tiles.iter().all(is_known)
+    }
+
     fn frame(&mut self, parameters: &[f32], framebuffer: &mut Framebuffer) {
         self.compiled.check_size(framebuffer);
         self.compiled.check_parameters(parameters);
