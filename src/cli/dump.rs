@@ -3,7 +3,7 @@
 use crate::cli::engine;
 use crate::cli::hits;
 use crate::cli::input::load;
-use crate::cli::options::{InputOptions, PassOptions};
+use crate::cli::options::{InputOptions, PassOptions, whole};
 use crate::cli::report::{Failure, print};
 use clap::{Args, ValueEnum};
 use illuminator::bytecode::FormulaCode;
@@ -34,7 +34,7 @@ pub(super) struct Options {
     pixel: Option<[u32; 2]>,
     /// Pass whose rays `--stage rays` shows, counted from 0 [default: the colours of all passes, and the rays of the
     /// first]
-    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(..i64::from(MAX_PASSES)))]
+    #[arg(long, value_name = "K", value_parser = whole(0..=MAX_PASSES - 1), allow_negative_numbers = true)]
     pass: Option<u32>,
     /// Folder for the columns of `--stage hits`
     #[arg(long = "output", short, value_name = "DIR", required_if_eq("stage", "hits"))]
@@ -96,6 +96,9 @@ fn check_options(options: &Options) -> Result<(), Failure> {
         }
         stage if options.pass.is_some() && stage != Stage::Rays => {
             refuse("`--pass` goes with `--stage rays`; `--stage hits` has all passes")
+        }
+        Stage::Ast | Stage::Clif | Stage::Asm | Stage::Hits if options.pixel.is_some() => {
+            refuse("`--pixel` goes with `--stage rays` and `--stage bytecode`; the other stages show no single pixel")
         }
         Stage::Ast | Stage::Bytecode | Stage::Clif | Stage::Asm if options.passes.samples.is_some() => {
             refuse("`--samples` goes with `--stage rays` and `--stage hits`; the other stages have no passes")

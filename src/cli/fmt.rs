@@ -79,7 +79,7 @@ fn format(location: &Location, options: &Options) -> Result<bool, Failure> {
     }
     let is_regular = text == source.text();
     if options.check {
-        let state = if is_regular { "formatted" } else { "not formatted" };
+        let state = if is_regular { "already formatted" } else { "not formatted" };
         print(&format!("{name}: {state}\n"))?;
         return Ok(is_regular);
     }
@@ -116,10 +116,10 @@ fn overwrite(path: &Path, name: &str, text: &str) -> Result<(), Diagnostic> {
     replace_text(path, text).map_err(|error| Diagnostic::error(format!("cannot write `{name}`: {}", reason(&error))))
 }
 
-/// The kind of a built-in formula or scene.
+/// The kind of a built-in file. Formulas and scenes come first if files of several kinds have one name.
 fn kind_of_preset(location: &Location) -> Option<FileKind> {
     let Location::Preset(name) = location else { return None };
-    [FileKind::Formula, FileKind::Scene].into_iter().find(|kind| presets::text(*kind, name).is_some())
+    FileKind::ALL.into_iter().find(|kind| presets::text(*kind, name).is_some())
 }
 
 /// The formatted text of a formula or a scene, or its errors; `None` for other kinds.

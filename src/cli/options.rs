@@ -12,6 +12,7 @@ use illuminator::workspace::assignment::parse_value;
 use illuminator::workspace::materials::MaterialAssignment;
 use std::ffi::OsString;
 use std::fmt::Display;
+use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 /// What the picture shows.
@@ -35,7 +36,7 @@ pub(super) struct InputOptions {
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub(super) size: Option<[u32; 2]>,
     /// Maximum depth of reflections and refractions, 1 to 9
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_DEPTH)))]
+    #[arg(long, value_name = "N", value_parser = whole(1..=MAX_DEPTH), allow_negative_numbers = true)]
     pub(super) depth: Option<u32>,
     /// Send shadow rays
     #[arg(long, overrides_with = "no_shadows")]
@@ -57,7 +58,7 @@ pub(super) struct InputOptions {
 #[derive(Args, Debug)]
 pub(super) struct MachineOptions {
     /// Number of threads, 1 to 1024 [default: one for each core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = whole(1_u16..=1024), allow_negative_numbers = true)]
     pub(super) threads: Option<u16>,
     /// Memory limit, in MiB or as in 2GiB [default: half of the free memory]
     #[arg(long, value_name = "SIZE", value_parser = memory)]
@@ -69,7 +70,7 @@ pub(super) struct MachineOptions {
 pub(super) struct PassOptions {
     /// Take the mean of N passes, 1 to 65536: in each, rays go through other points of their pixels, and hits take
     /// other points of lights [default: that of the session, or 1]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_PASSES)))]
+    #[arg(long, value_name = "N", value_parser = whole(1..=MAX_PASSES), allow_negative_numbers = true)]
     pub(super) samples: Option<u32>,
 }
 
@@ -138,6 +139,17 @@ pub(super) fn read<T: FromStr<Err: Display>>(text: &str) -> Result<T, String> {
     text.parse().map_err(|error: T::Err| one_line(&error.to_string()))
 }
 
+/// A parser of whole numbers within a range. Its message is worded as for the values of sessions.
+pub(super) fn whole<N>(range: RangeInclusive<N>) -> impl Fn(&str) -> Result<N, String> + Clone + Send + Sync + 'static
+where
+    N: FromStr + PartialOrd + Display + Clone + Send + Sync + 'static,
+{
+    move |text| {
+        let number = text.trim().parse().ok().filter(|number| range.contains(number));
+        number.ok_or_else(|| format!("expected a whole number from {} to {}", range.start(), range.end()))
+    }
+}
+
 fn size(text: &str) -> Result<[u32; 2], String> {
     let form = || format!("expected a size such as 640x480, each side 1 to {MAX_SIDE}");
     let (width, height) = text.split_once(['x', 'X', '×']).ok_or_else(form)?;
@@ -152,7 +164,7 @@ fn exposure(text: &str) -> Result<f32, String> {
 
 fn index(text: &str) -> Result<f64, String> {
     /// The limits are those of the scene language.
-    const RANGE: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
+    const RANGE: RangeInclusive<f64> = 1e-30..=1e30;
     text.trim().parse().ok().filter(|index| RANGE.contains(index)).ok_or_else(|| "expected a number greater than 0".to_owned())
 }
 
@@ -200,6 +212,15 @@ mod tests {
         assert_eq!(size("1×16384"), Ok([1, 16384]));
         for text in ["640", "0x5", "5x0", "99999x5", "-5x5", "5x5x5", "ax5", ""] {
             assert!(size(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn whole_numbers_are_read_within_their_range() {
+        let read = whole(1_u32..=65536);
+        assert_eq!((read("1"), read(" 65536 ")), (Ok(1), Ok(65536)));
+        for text in ["0", "65537", "99999999999999999999", "-1", "1e3", "2.5", "auto", ""] {
+            assert_eq!(read(text), Err("expected a whole number from 1 to 65536".to_owned()), "{text}");
         }
     }
 

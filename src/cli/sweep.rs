@@ -10,7 +10,7 @@ mod target;
 
 use crate::cli::engine;
 use crate::cli::input::load;
-use crate::cli::options::{InputOptions, PictureOptions, read};
+use crate::cli::options::{InputOptions, PictureOptions, read, whole};
 use crate::cli::output::PictureTarget;
 use crate::cli::progress::Progress;
 use crate::cli::report::{Failure, print_bytes, print_json, say};
@@ -46,7 +46,7 @@ pub(super) struct Options {
     #[arg(long = "output", short, value_name = "OUT")]
     output: PathBuf,
     /// Pictures in a row of a contact sheet of one value
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "N", value_parser = whole(1_u32..=1000), allow_negative_numbers = true)]
     columns: Option<u32>,
     /// Print what was made as JSON: for each picture its file, values and seconds
     #[arg(long)]

@@ -1,5 +1,6 @@
 //! Locations of texts, files or built-in files, and reading them.
 
+use crate::environment;
 use crate::files::{FileType, OpenError, Readable, open, reason};
 use crate::lang::diagnostic::{Diagnostic, nearest};
 use crate::lang::source::{MAX_BYTES, Source};
@@ -83,17 +84,44 @@ impl fmt::Display for Location {
     }
 }
 
+/// What scenes name and is no text.
+struct Asset {
+    with_article: &'static str,
+    /// How a scene names it.
+    hint: &'static str,
+    /// The names of the built-in ones, without `preset:`.
+    names: fn() -> Box<dyn Iterator<Item = &'static str>>,
+}
+
+const MESH: Asset = Asset {
+    with_article: "a mesh",
+    hint: "a mesh is a body of a scene: `NAME: mesh, \"FILE\";`",
+    names: || Box::new(presets::MESHES.iter().map(|mesh| mesh.name)),
+};
+const ENVIRONMENT: Asset = Asset {
+    with_article: "an environment",
+    hint: "an environment is a light of a scene: `NAME: environment, \"FILE\";`",
+    names: || Box::new(environment::PRESETS.iter().map(|preset| preset.name)),
+};
+const ASSETS: [Asset; 2] = [MESH, ENVIRONMENT];
+
 /// The error that there is no built-in file of this kind and name, with the nearest name. Without a kind, the names of
-/// all kinds count, and the hint says of which kinds the nearest one is.
+/// all kinds count, and the hint says of which kinds the nearest one is; meshes and environments are reported as what
+/// they are.
 pub fn unknown_preset(kind: Option<FileKind>, name: &str) -> Diagnostic {
     let noun = kind.map_or("file", FileKind::noun);
     let error = Diagnostic::error(format!("there is no built-in {noun} `{PRESET}{name}`"));
     let kinds_of = |name: &str| {
-        let kinds = FileKind::ALL.into_iter().filter(|other| presets::text(*other, name).is_some());
-        kinds.map(|kind| format!("a {}", kind.noun())).collect::<Vec<_>>().join(" and ")
+        let texts = FileKind::ALL.into_iter().filter(|other| presets::text(*other, name).is_some());
+        let texts = texts.map(|kind| format!("a {}", kind.noun()));
+        let assets = ASSETS.iter().filter(|asset| (asset.names)().any(|named| named == name));
+        texts.chain(assets.map(|asset| asset.with_article.to_owned())).collect::<Vec<_>>().join(" and ")
     };
     if kind.is_some() && !kinds_of(name).is_empty() {
         return error.help(format!("`{PRESET}{name}` is {}", kinds_of(name)));
+    }
+    if let Some(asset) = ASSETS.iter().find(|asset| (asset.names)().any(|named| named == name)) {
+        return Diagnostic::error(format!("`{PRESET}{name}` is {}", asset.with_article)).help(asset.hint);
     }
     let mut names: Vec<&str> = Vec::new();
     for named in FileKind::ALL.into_iter().filter(|other| kind.is_none_or(|kind| kind == *other)).flat_map(presets::names) {
@@ -157,11 +185,12 @@ fn foreign(path: &Path) -> Option<(&'static str, &'static str)> {
     const PICTURES: [&str; 11] = ["png", "bmp", "exr", "jpg", "jpeg", "hdr", "tif", "tiff", "gif", "webp", "svg"];
     let suffix = path.extension()?.to_str()?.to_lowercase();
     if MESHES.contains(&suffix.as_str()) {
-        return Some(("a mesh", "a mesh is a body of a scene: `NAME: mesh, \"FILE\";`"));
+        return Some((MESH.with_article, MESH.hint));
     }
     PICTURES.contains(&suffix.as_str()).then_some((
         "a picture",
-        "formulas, scenes, sessions and material libraries are texts; a formula names images as textures",
+        "formulas, scenes, sessions and material libraries are texts; a formula names images as textures, and a scene \
+         one as its environment",
     ))
 }
 
@@ -239,6 +268,9 @@ mod tests {
         for (file, found) in [("bunny.OBJ", "mesh"), ("out.png", "picture")] {
             fs::write(path(file), b"v 0 0 0\n").unwrap();
             assert_eq!(message(Location::File(path(file))).0, format!("`F/{file}` is a {found}, not a formula"));
+        }
+        for (name, found) in [("overcast", "an environment"), ("gem", "a mesh"), ("softboxes", "a scene and an environment")] {
+            assert_eq!(message(Location::new(format!("preset:{name}"))).1, format!("`preset:{name}` is {found}"));
         }
         assert!(message(Location::new("preset:no such thing")).0.contains("no built-in formula"));
         let hints = ["phong", "presett:phong", "preset-phong", "phonk"].map(|text| message(Location::new(text)).1);

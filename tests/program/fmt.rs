@@ -22,7 +22,7 @@ fn files_are_formatted_once() {
     assert_eq!(told(folder.path(), "fmt rough.formula"), "rough.formula: formatted\nexit status 0\n");
     assert_eq!(text("rough.formula"), REGULAR);
     assert_eq!(told(folder.path(), "fmt rough.formula"), "rough.formula: unchanged\nexit status 0\n");
-    assert_eq!(told(folder.path(), "fmt rough.formula --check"), "rough.formula: formatted\nexit status 0\n");
+    assert_eq!(told(folder.path(), "fmt rough.formula --check"), "rough.formula: already formatted\nexit status 0\n");
     assert_eq!(told(folder.path(), "fmt sub/place.txt"), "sub/place.txt: formatted\nexit status 0\n");
     assert!(text("sub/place.txt").contains("\nball: sphere, center <0, 0, 0>, radius 1;\n"), "{}", text("sub/place.txt"));
 }
@@ -64,7 +64,7 @@ fn standard_input_is_formatted_to_standard_output() {
     assert_eq!(filter("formula;\n= Cd*(;"), (String::new(), Some(1)));
     let check = |input: &str| filtered(folder.path(), &["fmt", "--check", "-"], input);
     assert_eq!(check(ROUGH), ("standard input: not formatted\n".to_owned(), Some(1)));
-    assert_eq!(check(REGULAR), ("standard input: formatted\n".to_owned(), Some(0)));
+    assert_eq!(check(REGULAR), ("standard input: already formatted\n".to_owned(), Some(0)));
 }
 
 #[test]

@@ -24,6 +24,8 @@ fn command_lines() {
             "render -o out.png --size 640",
             "render -o out.png --depth 10",
             "render -o out.png --samples 65537",
+            "render -o out.png --samples -1",
+            "render -o out.png --samples 1e3",
             "render -o out.png --threads 0",
             "render -o out.png --ior -1",
             "render -o out.png --background red",
@@ -41,6 +43,7 @@ fn command_lines() {
             "dump session.toml --stage rays --pixel 5,2 --samples 4 --pass 4",
             "dump session.toml --stage hits --pass 1 -o hits",
             "dump session.toml --stage asm --samples 4",
+            "dump session.toml --stage clif --pixel 1,1",
             "check",
         ],
     );
@@ -119,6 +122,9 @@ fn checks() {
             "check glass",
             "check --kind scene glass",
             "check preset:glas preset:nothing",
+            "check preset:sky preset:gem",
+            "check --kind formula preset:overcast",
+            "fmt --stdout preset:overcast preset:default",
             "check glas",
         ],
     );
