@@ -250,6 +250,22 @@ fn cones_of_other_programs_are_taken_if_they_are_some() {
 }
 
 #[test]
+fn what_is_changed_of_lights_is_told() {
+    let told = |intensity| {
+        let angles = [0.5, 0.25];
+        let source = LightSource::Spot { place: DVec3::new(0.0, 9.0, 0.0), direction: DVec3::NEG_Y, angles };
+        let light = ModelLight { name: "l".to_owned(), source, color: [1.0; 3], intensity };
+        let plan = planned(MeshModel { lights: vec![light], ..model(&[ModelLook::Phong(PHONG)]) });
+        plan.simplified.iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
+    let cone = "1 spot light whose cone cannot be used: light goes in all directions instead";
+    let strongest =
+        "1 strength of lights: ki is 1 for the strongest in the middle of the bodies, and none gets weaker with the distance";
+    assert_eq!(told(2.0), [cone, strongest]);
+    assert_eq!(told(-5.0), [cone, "1 strength of lights: ki is 0, because no intensity is above 0"]);
+}
+
+#[test]
 fn models_of_any_size_have_a_camera() {
     for size in [1e-25, 1e-3, 1e12, 1e25] {
         let mut model = model(&[ModelLook::Phong(PHONG)]);

@@ -98,7 +98,7 @@ pub(super) fn lights(
             LightSource::Spot { place, direction, angles } => {
                 let towards = direction * place.distance(middle).max(side / 2.0);
                 let spot = spot_at(place, towards, angles, side).unwrap_or_else(|| {
-                    simplified.add(1, "spot light(s) whose cone cannot be used", "they shine in all directions");
+                    simplified.add(1, "spot light(s) whose cone cannot be used", "light goes in all directions instead");
                     point_at(place, side)
                 });
                 (spot, lux(place))
@@ -123,7 +123,11 @@ pub(super) fn lights(
     for (light, strength) in lights.iter_mut().zip(strengths) {
         light.intensity = if strongest > 0.0 { four_digits(strength / strongest) } else { 0.0 };
     }
-    let note = "ki is 1 for the strongest in the middle of the bodies, and none gets weaker with the distance";
+    let note = if strongest > 0.0 {
+        "ki is 1 for the strongest in the middle of the bodies, and none gets weaker with the distance"
+    } else {
+        "ki is 0, because no intensity is above 0"
+    };
     simplified.add(lights.len() as u64, "strength(s) of lights", note);
     lights
 }

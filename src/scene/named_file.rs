@@ -3,7 +3,7 @@
 use crate::lang::cursor::{Cursor, Reported};
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::source::SourceSpan;
-use crate::lang::token::TokenKind;
+use crate::lang::token::{Mark, TokenKind};
 use std::fmt::{Display, Formatter, Result as FmtResult};
 
 /// The name of a file, or of something built in, as it stands in a scene.
@@ -43,6 +43,11 @@ impl NamedFile {
         let TokenKind::Text(path) = cursor.kind(0) else {
             let message = format!("expected the file of the {what}, found {}", cursor.kind(0).describe());
             let diagnostic = Diagnostic::error(message).at(span, "a path in quotation marks belongs here");
+            if sees_built_in(cursor, 0) {
+                // What follows would be parsed as a declaration of its own.
+                cursor.advance();
+                cursor.advance();
+            }
             return Err(cursor.report(diagnostic.help(help)));
         };
         let path = path.trim().to_owned();
@@ -53,6 +58,11 @@ impl NamedFile {
         }
         Ok(Some(Self { path, span }))
     }
+}
+
+/// Whether `preset:NAME` without quotation marks begins this many tokens ahead.
+pub(super) fn sees_built_in(cursor: &Cursor, ahead: usize) -> bool {
+    cursor.word(ahead) == Some("preset") && cursor.sees_mark(ahead + 1, Mark::Colon)
 }
 
 impl Display for NamedFile {

@@ -180,7 +180,22 @@ pub(super) fn wrong_json(json: &[u8], start: usize, error: &serde_json::Error) -
     }
     let text = error.to_string();
     let message = text.split(" at line ").next().unwrap_or_default();
+    let message = match message.rsplit_once(", expected ") {
+        Some((found, expected)) => format!("{found}, expected {}", in_words(expected)),
+        None => message.to_owned(),
+    };
     Fault::at(at..at + 1, format!("the JSON of the glTF file is wrong: {message}"))
+}
+
+/// What the reader of JSON expected, which it names by its type.
+fn in_words(expected: &str) -> &str {
+    match expected {
+        "usize" | "u64" | "u32" => "a whole number of at least 0",
+        "f64" => "a number",
+        "a sequence" => "a list",
+        _ if expected.starts_with("struct ") => "an object",
+        _ => expected,
+    }
 }
 
 /// The offset of a line and a column that count from 1.

@@ -319,7 +319,10 @@ fn mistakes_beside_the_triangles_are_told_and_do_not_hinder_the_mesh() {
         (r#""camera": 1"#, r#""camera": 7"#, "nodes[1] has the camera 7: the file has 3"),
         (r#"{"light": 0}"#, r#"{"light": 7}"#, "nodes[4] has the light 7: the file has 3"),
         (r#""type": "spot""#, r#""type": "tube""#, "the JSON of the glTF file is wrong: unknown variant `tube`"),
-        (r#""metallicFactor": 0.25"#, r#""metallicFactor": "x""#, "the JSON of the glTF file is wrong: invalid type: string"),
+        (r#""metallicFactor": 0.25"#, r#""metallicFactor": "x""#, "wrong: invalid type: string \"x\", expected a number"),
+        (r#"{"light": 0}"#, r#"{"light": -1}"#, "invalid value: integer `-1`, expected a whole number of at least 0"),
+        (r#"{"light": 0}"#, r#"{"light": 0.5}"#, "invalid type: floating point `0.5`, expected a whole number of at least 0"),
+        (r#""name": "lamp""#, r#""name": 3"#, "invalid type: integer `3`, expected a string"),
         (
             r#""translation": [0, 1, 5]"#,
             r#""scale": [0, 0, 0]"#,

@@ -5,7 +5,7 @@ use crate::lang::diagnostic::Diagnostic;
 use crate::lang::keywords::Keyword;
 use crate::lang::token::{Mark, TokenKind};
 use crate::scene::movable::Movable;
-use crate::scene::named_file::NamedFile;
+use crate::scene::named_file::{NamedFile, sees_built_in};
 use crate::scene::syntax::TextForm;
 use crate::scene::transform::sine_and_cosine;
 use crate::scene::values::SceneNumber;
@@ -70,8 +70,9 @@ impl TextForm for EnvironmentLight {
     fn parse(cursor: &mut Cursor) -> Result<Option<Self>, Reported> {
         let (mut image, mut rotation, mut is_sound) = (None, 0.0, true);
         let is_text = |cursor: &Cursor, ahead: usize| matches!(cursor.kind(ahead), TokenKind::Text(_));
-        // A name without quotation marks has a dot before its suffix.
-        if cursor.sees_mark(0, Mark::Comma) && (is_text(cursor, 1) || cursor.sees_mark(2, Mark::Dot)) {
+        // A name without quotation marks has a dot before its suffix, or is that of a built-in environment.
+        let is_name = is_text(cursor, 1) || cursor.sees_mark(2, Mark::Dot) || sees_built_in(cursor, 1);
+        if cursor.sees_mark(0, Mark::Comma) && is_name {
             cursor.advance();
             image = NamedFile::parse(cursor, "environment", "environment, \"FILE.hdr\"")?;
             is_sound = image.is_some();

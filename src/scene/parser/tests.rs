@@ -440,6 +440,12 @@ fn meshes_without_a_meaning_are_explained() {
         help: triangles from a file are a `mesh`
         help: for example `mesh, "preset:gem"`
     "#);
+    assert_snapshot!(errors("mesh, preset:gem"), @r#"
+    scene:2:10: error: expected the file of the mesh, found `preset`
+        b: mesh, preset:gem;
+                 ^^^^^^ a path in quotation marks belongs here
+        help: write `mesh, "FILE.obj"`; the path is from the folder of the scene
+    "#);
 }
 
 #[test]

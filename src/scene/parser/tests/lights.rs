@@ -232,6 +232,7 @@ fn an_environment_may_name_an_image_and_be_turned() {
     for (given, message) in [
         ("environment, \"\"", "the environment has no file"),
         ("environment, sky.hdr", "expected the file of the environment, found `sky`"),
+        ("environment, preset:sky", "expected the file of the environment, found `preset`"),
         ("environment \"sky.hdr\"", "expected `,` before the text \"sky.hdr\""),
         ("environment, \"sky.hdr\" rotate 3", "expected `,` before `rotate`"),
         ("environment, \"sky.hdr\", rotate <0,1,0> 3", "the rotation of the environment has no axis"),
