@@ -7,11 +7,12 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 /// What a drag of a picture of several passes begins with. Frames that evaluate passes evaluate only some of them, and
-/// show what these change in the picture: `picture + mean of the passes with the new numbers − their mean with the old
+/// show what these change in that picture: `picture + mean of the passes with the new numbers − their mean with the old
 /// ones`. Images of few passes are used in the same way, until those of all passes are ready.
 #[derive(Debug, Clone)]
 pub struct DragBeginning {
-    /// The picture of all passes with the numbers before the drag.
+    /// The picture with the numbers before the drag: the mean of all passes, or of fewer if no more are evaluated. What
+    /// the drag does not move stays as it is there.
     pub picture: Arc<Frame>,
     /// How many passes a frame evaluates, at least 1.
     pub passes: usize,
@@ -31,8 +32,8 @@ pub trait Drag: Send {
     /// Where the framebuffer has another size than the view, or there are too few parameter numbers.
     fn frame(&mut self, parameters: &[f32], framebuffer: &mut Framebuffer);
 
-    /// The linear picture of these numbers, if the drag knows it without evaluating passes: the mean of all passes, but
-    /// for rounding.
+    /// The linear picture of these numbers, if the drag knows it without evaluating passes: what these numbers change in
+    /// all passes, added to the picture that the drag began with. If that is of all passes, so is this, but for rounding.
     fn linear(&self, parameters: &[f32]) -> Option<Frame> {
         let _ = parameters;
         None
@@ -59,11 +60,12 @@ pub trait Drag: Send {
 pub struct WholeFrames {
     evaluator: Arc<dyn Evaluator>,
     pixels: usize,
-    /// How many passes are evaluated for a frame, and what is added to their mean: the rest of a picture of all passes.
+    /// How many passes are evaluated for a frame, and what is added to their mean: the rest of the picture at the
+    /// beginning.
     some: Option<(usize, Rest)>,
 }
 
-/// What a picture of all passes has beside the mean of some.
+/// What the picture at the beginning has beside the mean of some passes.
 enum Rest {
     /// The picture that the drag begins with, and its numbers.
     Picture(Arc<Frame>, Vec<f32>),

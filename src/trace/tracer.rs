@@ -96,7 +96,8 @@ impl<'w> Tracer<'w> {
     /// Whether no body lies strictly between the hit and an emitter; always without shadow rays.
     ///
     /// The emitter may be behind the surface. A flat body does not hide it then, but a closed body does with its far
-    /// side. For an emitter that the hit faces, this is the test of [`reaches`](Self::reaches).
+    /// side. For an emitter that the hit faces and that sends something there, this is the test of
+    /// [`reaches`](Self::reaches).
     pub fn is_visible(&self, emitter: EmitterId, hit: &SurfaceHit, key: &SampleKey) -> bool {
         if !self.view.shadows() {
             return true;

@@ -35,12 +35,13 @@ trait Emit {
 pub struct LightSample {
     /// The direction from the hit to the light, of unit length.
     pub direction: DVec3,
-    /// The distance in world units, at least 0. It may be infinite.
+    /// The distance in world units, at least 0; [`INFINITELY_FAR`] of what has no place.
     pub distance: f64,
     /// What is sent towards the hit as a factor of the colour of the light: red, green and blue, each at least 0 and
     /// finite. A light that sends nothing does not reach the hit.
     pub radiance: [f32; 3],
-    /// What the sample counts: the share of all directions that it stands for, greater than 0.
+    /// What the sample counts, greater than 0: 1, but 1/(π·p) for a direction of an environment, where p is how densely
+    /// directions are drawn there, per steradian. Under a white environment that is 4.
     pub weight: f32,
 }
 

@@ -36,7 +36,9 @@ pub struct InspectedRay {
     pub weight: [f64; 3],
     /// Where it ends.
     pub end: End,
-    /// Light at its end, linear RGB: Σ ki·local + ka·Cd·Ia of the hit, or the background.
+    /// Light at its end, linear RGB. Of a hit: Σ ki·weight·local, with the weights of the samples of lights, plus
+    /// ka·Cd·Ia or what the formula gives in its place, plus what the surface emits. Otherwise the background, plus
+    /// ki·IL·radiance of the environment.
     pub own: [f32; 3],
     /// Light that it brings, linear RGB, by equation (2) of thesis 4.2.3: `own`, plus the light of its children times
     /// their factors.
@@ -137,7 +139,7 @@ pub struct InspectedLight {
     pub sample: LightSample,
     /// The variables that formulas read here for this light, such as its distance.
     pub variables: LightVariables,
-    /// ki, its intensity, 0..1.
+    /// ki, its intensity, in the range that the formula gives it: 0..1 if it gives none.
     pub intensity: f32,
     /// The value of the formula for it, with `IL` times the radiance of the sample, linear RGB, even if that is not
     /// added.
@@ -152,7 +154,8 @@ pub struct InspectedLight {
 pub enum Visibility {
     /// It does. Without shadow rays every light does that sends something there.
     Lit,
-    /// It sends nothing there: the hit is outside its cone.
+    /// It sends nothing there: the hit is outside the cone of a spot, or the map of the environment is black in the
+    /// direction that was drawn.
     Dark,
     /// It is behind the surface: N·L ≤ 0. These bodies are in between, the nearest to the hit first: this one, if the
     /// light would have to pass through it.

@@ -52,7 +52,7 @@ impl Emit for SpotEmitter {
         LightSample { radiance: [self.factor(-whole.direction); 3], ..whole }
     }
 
-    /// Formulas that read `visible` are evaluated outside the cone too.
+    /// The soft part of the cone gets less, and formulas that read `visible` are evaluated outside the cone too.
     fn is_whole(&self) -> bool {
         false
     }

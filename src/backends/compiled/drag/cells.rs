@@ -86,7 +86,7 @@ impl CellSet {
 
     /// The cells, in order.
     pub(super) fn cells(&self) -> Vec<u16> {
-        // A tile has 2¹⁴ pixels.
+        // A tile has at most 2¹⁴ pixels.
         self.0.iter().enumerate().filter(|(_, held)| **held).map(|(cell, _)| cell as u16).collect()
     }
 }

@@ -105,7 +105,8 @@ impl CompiledDrag {
         Ok(drag)
     }
 
-    /// Counts the stored bytes. Drops the data of tiles that exceed the budget, from the last tile on.
+    /// Counts the stored bytes, from the first tile on. Drops the data of each tile that does not fit into the rest of
+    /// the budget; later tiles that need less may fit.
     fn settle(&mut self) {
         self.bytes = 0;
         for tile in &mut self.tiles {
