@@ -68,6 +68,7 @@ impl CellWeights {
     }
 
     /// The weight of a cell as a part of all; 0 if all are 0.
+    #[cfg(test)]
     pub(super) fn probability(&self, column: usize, row: usize) -> f64 {
         let total = self.total();
         let weight = f64::from(self.weights[row * self.columns + column]);

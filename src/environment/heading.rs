@@ -10,9 +10,6 @@ pub struct Heading {
 }
 
 impl Heading {
-    /// No rotation.
-    pub const NONE: Heading = Heading { sine: 0.0, cosine: 1.0 };
-
     /// A rotation by the angle with this sine and cosine.
     pub fn new(sine: f64, cosine: f64) -> Self {
         Self { sine, cosine }
@@ -43,7 +40,7 @@ mod tests {
         let turned = |times: usize| (0..times).fold(direction, |direction, _| quarter.to_scene(direction));
         assert_eq!(turned(1), DVec3::new(0.8, -0.5, -0.3), "from +z towards +x");
         assert_eq!(turned(2), DVec3::new(-0.3, -0.5, -0.8));
-        assert_eq!((turned(4), Heading::NONE.to_scene(direction)), (direction, direction));
+        assert_eq!((turned(4), Heading::new(0.0, 1.0).to_scene(direction)), (direction, direction));
     }
 
     #[test]

@@ -111,11 +111,6 @@ impl RadianceMap {
             }
         }
     }
-
-    /// How densely [`sample`](Self::sample) draws directions around one of any length greater than 0, per steradian.
-    pub fn density(&self, direction: DVec3) -> f64 {
-        self.texels.as_ref().map_or(0.25 / PI, |map| map.density(MapPlace::of(direction)))
-    }
 }
 
 /// The side of cells, in texels, so that there are not too many of them.
@@ -150,14 +145,6 @@ impl TexelMap {
     /// The solid angle of a cell.
     fn solid_angle(&self, column: usize, row: usize) -> f64 {
         zone_of(self.rows(row), self.texels.height) * self.columns(column).len() as f64 / self.texels.width as f64
-    }
-
-    fn density(&self, place: MapPlace) -> f64 {
-        let Texels { width, height, .. } = self.texels;
-        // The casts saturate.
-        let [column, row] = [(place.u, width), (place.v, height)]
-            .map(|(place, count)| ((place * count as f64) as usize).min(count - 1) / self.side);
-        self.cells.probability(column, row) / self.solid_angle(column, row)
     }
 
     fn sample(&self, point: [f64; 2]) -> Option<RadianceSample> {

@@ -32,8 +32,9 @@ pub trait Drag: Send {
     /// Where the framebuffer has another size than the view, or there are too few parameter numbers.
     fn frame(&mut self, parameters: &[f32], framebuffer: &mut Framebuffer);
 
-    /// The linear picture of these numbers, if the drag knows it without evaluating passes: what these numbers change in
-    /// all passes, added to the picture that the drag began with. If that is of all passes, so is this, but for rounding.
+    /// The linear picture of these numbers, if the drag knows it without evaluating passes: what these numbers change
+    /// in all passes, added to the picture that the drag began with. If that is of all passes, so is this, but for
+    /// rounding.
     fn linear(&self, parameters: &[f32]) -> Option<Frame> {
         let _ = parameters;
         None

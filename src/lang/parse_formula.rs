@@ -64,8 +64,8 @@ impl FormulaParser<'_> {
         self.cursor.report(error.help("the last line must be `= expression;`, the colour that the formula gives"));
     }
 
-    /// Reports a section under `formula;` and reads it if it is one of formulas. Whether it is; what follows a section of
-    /// scenes is a scene, which cannot be read here.
+    /// Reports a section under `formula;` and reads it if it is one of formulas. Whether it is; what follows a section
+    /// of scenes is a scene, which cannot be read here.
     fn late_section(&mut self) -> bool {
         let diagnostic = Diagnostic::error("a section under `formula;`").at(self.cursor.span(), "too late");
         let of_formulas = self.cursor.word(0).is_some_and(|word| SECTIONS.contains(&word));

@@ -487,8 +487,8 @@ impl Workshop {
         self.session(formula, scene).save(path)
     }
 
-    /// The picture in view, to be saved on another thread. If it has not yet the current values and all its pixels, or is
-    /// that of a held slider, the picture of the values is made then, with as many passes.
+    /// The picture in view, to be saved on another thread. If it has not yet the current values and all its pixels, or
+    /// is that of a held slider, the picture of the values is made then, with as many passes.
     ///
     /// # Errors
     /// A setting is out of range.

@@ -30,16 +30,6 @@ impl Environment {
         self.light
     }
 
-    /// Its map, as it is without the rotation.
-    pub fn map(&self) -> &Arc<RadianceMap> {
-        &self.map
-    }
-
-    /// How the map is turned.
-    pub fn heading(&self) -> Heading {
-        self.heading
-    }
-
     /// The radiance from a direction of the scene, of any length greater than 0: linear RGB, at least 0, without the
     /// colour and the intensity of the light.
     #[inline]
@@ -88,6 +78,6 @@ mod tests {
         assert_eq!(seen("environment"), [[1.0; 3]; 4]);
         let world = world("environment, \"four\"");
         assert_eq!(world.environment().map(Environment::light), Some(LightId(1)));
-        assert_eq!(world.assets().memory(), world.environment().unwrap().map().memory());
+        assert_eq!(world.assets().memory(), world.environment().unwrap().map.memory());
     }
 }

@@ -7,46 +7,46 @@ use glam::DVec3;
 const FIRST: f64 = 380.0;
 
 /// Table 2: the spectral radiance of the sun above the atmosphere, in 100 W/(m²·nm·sr), and the coefficients of
-/// absorption of ozone per centimetre, of water vapour per centimetre, and of mixed gases.
-const TABLE: [[f64; 4]; 38] = [
-    [165.5, 0.0, 0.0, 0.0],
-    [162.3, 0.0, 0.0, 0.0],
-    [211.2, 0.0, 0.0, 0.0],
-    [258.8, 0.0, 0.0, 0.0],
-    [258.2, 0.0, 0.0, 0.0],
-    [242.3, 0.0, 0.0, 0.0],
-    [267.6, 0.0, 0.0, 0.0],
-    [296.6, 0.003, 0.0, 0.0],
-    [305.4, 0.006, 0.0, 0.0],
-    [300.6, 0.009, 0.0, 0.0],
-    [306.6, 0.014, 0.0, 0.0],
-    [288.3, 0.021, 0.0, 0.0],
-    [287.1, 0.030, 0.0, 0.0],
-    [278.2, 0.040, 0.0, 0.0],
-    [271.0, 0.048, 0.0, 0.0],
-    [272.3, 0.063, 0.0, 0.0],
-    [263.6, 0.075, 0.0, 0.0],
-    [255.0, 0.085, 0.0, 0.0],
-    [250.6, 0.103, 0.0, 0.0],
-    [253.1, 0.120, 0.0, 0.0],
-    [253.5, 0.120, 0.0, 0.0],
-    [251.3, 0.115, 0.0, 0.0],
-    [246.3, 0.125, 0.0, 0.0],
-    [241.7, 0.120, 0.0, 0.0],
-    [236.8, 0.105, 0.0, 0.0],
-    [232.1, 0.090, 0.0, 0.0],
-    [228.2, 0.079, 0.0, 0.0],
-    [223.4, 0.067, 0.0, 0.0],
-    [219.7, 0.057, 0.0, 0.0],
-    [215.3, 0.048, 0.0, 0.0],
-    [211.0, 0.036, 0.0, 0.0],
-    [207.3, 0.028, 0.016, 0.0],
-    [202.4, 0.023, 0.024, 0.0],
-    [198.7, 0.018, 0.0125, 0.0],
-    [194.3, 0.014, 1.0, 0.0],
-    [190.7, 0.011, 0.87, 0.0],
-    [186.3, 0.010, 0.061, 0.0],
-    [182.6, 0.009, 0.001, 0.0],
+/// absorption of ozone and of water vapour per centimetre. Mixed gases absorb nothing at these wavelengths.
+const TABLE: [[f64; 3]; 38] = [
+    [165.5, 0.0, 0.0],
+    [162.3, 0.0, 0.0],
+    [211.2, 0.0, 0.0],
+    [258.8, 0.0, 0.0],
+    [258.2, 0.0, 0.0],
+    [242.3, 0.0, 0.0],
+    [267.6, 0.0, 0.0],
+    [296.6, 0.003, 0.0],
+    [305.4, 0.006, 0.0],
+    [300.6, 0.009, 0.0],
+    [306.6, 0.014, 0.0],
+    [288.3, 0.021, 0.0],
+    [287.1, 0.030, 0.0],
+    [278.2, 0.040, 0.0],
+    [271.0, 0.048, 0.0],
+    [272.3, 0.063, 0.0],
+    [263.6, 0.075, 0.0],
+    [255.0, 0.085, 0.0],
+    [250.6, 0.103, 0.0],
+    [253.1, 0.120, 0.0],
+    [253.5, 0.120, 0.0],
+    [251.3, 0.115, 0.0],
+    [246.3, 0.125, 0.0],
+    [241.7, 0.120, 0.0],
+    [236.8, 0.105, 0.0],
+    [232.1, 0.090, 0.0],
+    [228.2, 0.079, 0.0],
+    [223.4, 0.067, 0.0],
+    [219.7, 0.057, 0.0],
+    [215.3, 0.048, 0.0],
+    [211.0, 0.036, 0.0],
+    [207.3, 0.028, 0.016],
+    [202.4, 0.023, 0.024],
+    [198.7, 0.018, 0.0125],
+    [194.3, 0.014, 1.0],
+    [190.7, 0.011, 0.87],
+    [186.3, 0.010, 0.061],
+    [182.6, 0.009, 0.001],
 ];
 
 /// The ozone of the atmosphere and the water in it, as layers of this many centimetres.
@@ -55,12 +55,11 @@ const WATER: f64 = 2.0;
 
 /// The part of the light of a wavelength in micrometres that reaches the surface of the Earth; `mass` is the relative
 /// optical mass of the air.
-fn transmittance(wavelength: f64, [_, ozone, water, gases]: [f64; 4], mass: f64, turbidity: f64) -> f64 {
+fn transmittance(wavelength: f64, [_, ozone, water]: [f64; 3], mass: f64, turbidity: f64) -> f64 {
     let rayleigh = 0.008_735 * wavelength.powf(-4.08) * mass;
     let aerosols = (0.046_08 * turbidity - 0.045_86) * wavelength.powf(-1.3) * mass;
-    let mixed = 1.41 * gases * mass / (1.0 + 118.93 * gases * mass).powf(0.45);
     let vapour = 0.2385 * water * WATER * mass / (1.0 + 20.07 * water * WATER * mass).powf(0.45);
-    (-(rayleigh + aerosols + ozone * OZONE * mass + mixed + vapour)).exp()
+    (-(rayleigh + aerosols + ozone * OZONE * mass + vapour)).exp()
 }
 
 /// The colour matching functions of the CIE 1931 observer at a wavelength in nanometres: C. Wyman, P.-P. Sloan,

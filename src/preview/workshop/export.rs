@@ -27,8 +27,8 @@ impl PictureExport {
         self.passes
     }
 
-    /// Saves the picture in the format of the path's suffix; computes it first if it is not in view. Returns how many of
-    /// its pixels were NaN.
+    /// Saves the picture in the format of the path's suffix; computes it first if it is not in view. Returns how many
+    /// of its pixels were NaN.
     ///
     /// # Errors
     /// The suffix names no format, or the file cannot be written. The error is for the user. An existing file is then

@@ -11,13 +11,18 @@ fn act(harness: &mut Harness<'_, App>, action: SceneAction) {
     harness.run_steps(2);
 }
 
+/// Width and height of the map of the environment, in texels.
+fn map_size(app: &App) -> Option<[u32; 2]> {
+    app.workshop.world().assets().environment.as_ref()?.map.size()
+}
+
 #[test]
 fn an_environment_is_added_once_and_removed() {
     let mut harness = harness();
     let written = harness.state().documents.scene.text().to_owned();
     act(&mut harness, SceneAction::AddLight("environment"));
     assert!(harness.state().documents.scene.text().contains("light: environment, \"preset:sky\";"));
-    let size = harness.state().workshop.world().environment().and_then(|environment| environment.map().size());
+    let size = map_size(harness.state());
     assert_eq!(size, Some([1024, 512]));
     let Some(SceneObject::Light(light)) = harness.state().selected_object() else { panic!("it is selected") };
     assert_eq!(harness.state().workshop.world().environment().map(crate::world::Environment::light), Some(light));
@@ -63,15 +68,14 @@ fn a_large_image_is_read_while_the_window_goes_on() {
     assert_eq!(harness.state().workshop.scene().bodies.len(), 3, "the scene before");
     harness.step();
     assert!(harness.state().asset_loading.progress().is_some() && harness.query_by_label("reading files").is_some());
-    let size = |app: &App| app.workshop.world().environment().and_then(|environment| environment.map().size());
-    until("the image is read", &mut harness, |app| size(app) == Some([1200, 600]));
+    until("the image is read", &mut harness, |app| map_size(app) == Some([1200, 600]));
     assert_eq!(harness.state().asset_loading.progress(), None);
     settle(&mut harness);
     // Another image in its place, of less than 2 MiB.
     write(64);
-    until("the changed image is read", &mut harness, |app| size(app) == Some([64, 32]));
+    until("the changed image is read", &mut harness, |app| map_size(app) == Some([64, 32]));
     // A damaged one is an error in the text. The picture stays.
     fs::write(&image, "#?RADIANCE\n").expect("a file");
     until("a mistake is marked", &mut harness, |app| app.documents.scene.counts()[0] == 1);
-    assert_eq!(size(harness.state()), Some([64, 32]));
+    assert_eq!(map_size(harness.state()), Some([64, 32]));
 }
