@@ -68,7 +68,7 @@ enum Command {
     Bench(bench::Options),
     /// Show the stages of a formula or a picture
     Dump(dump::Options),
-    /// List the built-in sessions, formulas, scenes, material libraries, environments and meshes
+    /// List the built-in sessions, formulas, scenes, materials, environments and meshes
     List,
     /// Print the reference of the formula language
     HelpLanguage,

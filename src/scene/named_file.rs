@@ -42,13 +42,15 @@ impl NamedFile {
         let help = format!("write `{form}`; the path is from the folder of the scene");
         let TokenKind::Text(path) = cursor.kind(0) else {
             let message = format!("expected the file of the {what}, found {}", cursor.kind(0).describe());
-            let diagnostic = Diagnostic::error(message).at(span, "a path in quotation marks belongs here");
+            let error = Diagnostic::error(message);
             if sees_built_in(cursor, 0) {
                 // What follows would be parsed as a declaration of its own.
                 cursor.advance();
                 cursor.advance();
+                let diagnostic = error.at(span, "quotation marks are missing around this name");
+                return Err(cursor.report(diagnostic.help("write `\"preset:NAME\"`")));
             }
-            return Err(cursor.report(diagnostic.help(help)));
+            return Err(cursor.report(error.at(span, "a path in quotation marks belongs here").help(help)));
         };
         let path = path.trim().to_owned();
         cursor.advance();

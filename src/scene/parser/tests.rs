@@ -443,8 +443,9 @@ fn meshes_without_a_meaning_are_explained() {
     assert_snapshot!(errors("mesh, preset:gem"), @r#"
     scene:2:10: error: expected the file of the mesh, found `preset`
         b: mesh, preset:gem;
-                 ^^^^^^ a path in quotation marks belongs here
-        help: write `mesh, "FILE.obj"`; the path is from the folder of the scene
+                 ^^^^^^ quotation marks are missing around this name
+        help: write `"preset:NAME"`
+        help: a mesh is written `mesh, "FILE"`: triangles from an OBJ, PLY, STL or glTF file, whose path is from the scene file
     "#);
 }
 
