@@ -18,7 +18,7 @@ mod text;
 
 pub use figures::{Quantity, figures, vector_figures, weight_figures};
 pub use instance::{Instance, InstanceLine};
-pub use nan::NanOrigin;
+pub use nan::{NanCause, NanOrigin};
 pub use passes::PassColours;
 pub use report::{Crossing, End, InspectedHit, InspectedLight, InspectedRay, Inspection, Onward, Visibility};
 pub use text::left_out;

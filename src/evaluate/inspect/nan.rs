@@ -1,19 +1,33 @@
-//! Where NaN comes from in a pixel: the innermost expression of the formula that is NaN although its operands are not.
+//! Where NaN comes from in a pixel: the innermost expression of the formula that is NaN although its operands are not,
+//! or a product or a sum of infinite numbers.
 
 use crate::evaluate::inspect::Inspector;
 use crate::evaluate::inspect::figures::Quantity;
-use crate::evaluate::inspect::report::{End, InspectedHit, InspectedLight, Inspection, Visibility};
+use crate::evaluate::inspect::report::{End, InspectedHit, InspectedLight, Inspection, Onward};
+use crate::formula::equation::weighed_by;
 use crate::formula::{Formula, Term, TermId};
 use crate::lang::builtins::Form;
+use crate::lang::surface_terms::SurfaceTerm;
 use crate::scene::{BodyId, LightId};
 
-/// Where NaN comes from in a pixel.
+/// Why a pixel is NaN.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum NanCause {
+    /// An expression of the formula is NaN.
+    Expression(NanOrigin),
+    /// At the surface of this body, an infinite number is multiplied by a weight of 0.
+    InfiniteTimesZero(BodyId),
+    /// Infinite numbers of both signs are added up.
+    BothSigns,
+}
+
+/// The expression that is NaN.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NanOrigin {
-    /// The body at whose surface the formula is NaN.
+    /// The body at whose surface it is NaN.
     pub body: BodyId,
-    /// The light for which it is.
-    pub light: LightId,
+    /// The light for which it is; `None`: it is evaluated once for the surface, whatever the lights.
+    pub light: Option<LightId>,
     /// The macro or function in which the expression is typed; `None`: in the result.
     pub typed_in: Option<String>,
     /// The expression as it is typed: `sqrt(-COSINE)`.
@@ -22,38 +36,80 @@ pub struct NanOrigin {
     pub numbers: String,
 }
 
+fn has_nan(light: [f32; 3]) -> bool {
+    light.into_iter().any(f32::is_nan)
+}
+
 impl Inspector<'_> {
-    /// Where the NaN of a pixel comes from; `None` if the formula is NaN at no hit that adds to the pixel. Then there
-    /// is none in the pixel, or infinite numbers of both signs are added up.
-    pub fn nan_origin(&self, inspection: &Inspection) -> Option<NanOrigin> {
-        let is_nan = |light: &&InspectedLight| {
-            light.visibility == Visibility::Lit && light.contribution.iter().any(|component| component.is_nan())
-        };
-        let hits = inspection.rays.iter().filter(|ray| !ray.is_cut()).filter_map(|ray| match &ray.end {
-            End::Hit(hit) => Some(hit),
-            End::Background => None,
-        });
-        let found = hits.into_iter().find_map(|hit| hit.lights.iter().find(is_nan).map(|light| (hit, light)));
-        found.map(|(hit, light)| self.origin_at(hit, light))
+    /// Why a pixel is NaN; `None` if it is not, or if the cause is not found.
+    pub fn nan_cause(&self, inspection: &Inspection) -> Option<NanCause> {
+        // Children come after their parents, so this ends.
+        let mut index = 0;
+        loop {
+            let ray = inspection.rays.get(index).filter(|ray| has_nan(ray.total))?;
+            let End::Hit(hit) = &ray.end else { return None };
+            if has_nan(ray.own) {
+                return self.cause_of_own(hit);
+            }
+            let children = [(hit.reflected, SurfaceTerm::Reflected), (hit.refracted, SurfaceTerm::Refracted)];
+            let children = children.into_iter().filter_map(|(onward, term)| match onward {
+                Onward::Ray(child) => Some((child, inspection.rays.get(child)?, term)),
+                Onward::Matte | Onward::Opaque | Onward::TotalReflection | Onward::Depth => None,
+            });
+            let found = children.into_iter().find(|(_, child, _)| has_nan(weighed_by(child.factor, child.total)));
+            match found {
+                None => return Some(NanCause::BothSigns),
+                Some((_, child, term)) if has_nan(child.factor) => return self.cause_of_term(hit, term),
+                Some((next, child, _)) if has_nan(child.total) => index = next,
+                Some(_) => return Some(NanCause::InfiniteTimesZero(hit.body())),
+            }
+        }
     }
 
-    fn origin_at(&self, hit: &InspectedHit, light: &InspectedLight) -> NanOrigin {
+    /// Why the light of a hit itself is NaN.
+    fn cause_of_own(&self, hit: &InspectedHit) -> Option<NanCause> {
+        if let Some(light) = hit.lights.iter().find(|light| has_nan(light.contribution)) {
+            return self.cause_of_light(hit, light);
+        }
+        let terms = [(SurfaceTerm::Ambient, hit.ambient), (SurfaceTerm::Emission, hit.emission.unwrap_or_default())];
+        match terms.into_iter().find(|(_, value)| has_nan(*value)) {
+            Some((term, _)) => self.cause_of_term(hit, term),
+            None => Some(NanCause::BothSigns),
+        }
+    }
+
+    fn cause_of_light(&self, hit: &InspectedHit, light: &InspectedLight) -> Option<NanCause> {
+        if has_nan(light.local) {
+            let values = self.values_at(hit, light);
+            return Some(self.origin_at(hit, Some(light.light), self.formula.result, &values));
+        }
+        let is_infinite = light.local.into_iter().any(f32::is_infinite);
+        (is_infinite && light.sample.weight == 0.0).then(|| NanCause::InfiniteTimesZero(hit.body()))
+    }
+
+    fn cause_of_term(&self, hit: &InspectedHit, term: SurfaceTerm) -> Option<NanCause> {
+        let root = self.formula.surface.get(term)?;
+        let value = |symbol| hit.variables.value(symbol).unwrap_or_default();
+        let values = self.values(self.formula, hit.body(), None, &value);
+        Some(self.origin_at(hit, None, root, &values))
+    }
+
+    fn origin_at(&self, hit: &InspectedHit, light: Option<LightId>, root: TermId, values: &[[f32; 3]]) -> NanCause {
         let formula = self.formula;
-        let values = self.values_at(hit, light);
-        let mut id = formula.result;
+        let mut id = root;
         // Operands have smaller numbers than their users, so this ends.
-        while let Some(next) = nan_operand(formula, id, &values) {
+        while let Some(next) = nan_operand(formula, id, values) {
             id = next;
         }
         let (typed_in, written) = formula.written.origin(id);
         let number = |operand: TermId| Quantity::new(formula.ty(operand), values[operand.0 as usize]).to_string();
-        NanOrigin {
+        NanCause::Expression(NanOrigin {
             body: hit.body(),
-            light: light.light,
+            light,
             typed_in: typed_in.map(str::to_owned),
             written,
             numbers: formula.with_operands(id, number),
-        }
+        })
     }
 }
 

@@ -455,7 +455,7 @@ fn the_origin_of_nan_in_functions_is_short_too() {
     let formula = format!("formula; {chain} f50(x) = sqrt(x - 1); = Cd*f0(N.L);");
     let scene = format!("bodies; ball: sphere, center <0,0,0>, radius 1; lights; key: point, <0,3,5>; {PREFETCH_DISTANCE}");
     let bench = Bench::new(&formula, &scene, &[]);
-    let origin = bench.inspector().nan_origin(&bench.inspect()).expect("NaN");
+    let Some(NanCause::Expression(origin)) = bench.inspector().nan_cause(&bench.inspect()) else { panic!("NaN") };
     let texts = (origin.typed_in.as_deref(), origin.written.as_str(), origin.numbers.as_str());
     assert_eq!(texts, (Some("f50"), "sqrt(x - 1)", "sqrt(-0.2)"));
 }

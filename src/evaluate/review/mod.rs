@@ -9,7 +9,7 @@ mod tests;
 pub use cause::PlainCause;
 pub use summary::PictureSummary;
 
-use crate::evaluate::inspect::{Inspector, NanOrigin, vector_figures};
+use crate::evaluate::inspect::{Inspector, NanCause, NanOrigin, vector_figures};
 use crate::formula::Formula;
 use crate::picture::ViewTransform;
 use crate::trace::View;
@@ -106,26 +106,38 @@ pub fn review(picture: &ReviewedPicture, summary: &PictureSummary) -> Option<Pic
     Some(PictureFinding::OneColour(colour, cause::of_one_colour(picture)))
 }
 
-/// Why a pixel is NaN where no expression is.
-const SIGNS: &str = "infinite numbers of both signs are added up";
-
 /// Where the NaN of a pixel comes from, in words, and in which pass if there are several.
 fn nan_origin(picture: &ReviewedPicture, pixel: [u32; 2]) -> (Option<u32>, String) {
     let inspector = Inspector::new(picture.formula, picture.world, picture.numbers);
     let several = picture.passes > 1;
     let passes = if several { 0..picture.passes } else { picture.view.pass()..picture.view.pass() + 1 };
-    let mut words = "the interpreter gives a number there";
+    // Whether red, green and blue were infinite in a pass, of each sign.
+    let mut infinite = [[false; 2]; 3];
     for pass in passes {
         let Some(inspection) = inspector.inspect(&picture.view.with_pass(pass), pixel) else { break };
         if inspection.total.iter().any(|component| component.is_nan()) {
-            let origin = inspector.nan_origin(&inspection).map(|origin| origin_in_words(picture.world, &origin));
-            return (several.then_some(pass), origin.unwrap_or_else(|| SIGNS.to_owned()));
+            return (several.then_some(pass), cause_in_words(picture.world, inspector.nan_cause(&inspection)));
         }
-        if inspection.total.iter().any(|component| component.is_infinite()) {
-            words = SIGNS;
+        for (seen, component) in infinite.iter_mut().zip(inspection.total) {
+            seen[0] |= component == f32::NEG_INFINITY;
+            seen[1] |= component == f32::INFINITY;
         }
     }
-    (None, words.to_owned())
+    if infinite.contains(&[true; 2]) {
+        return (None, cause_in_words(picture.world, Some(NanCause::BothSigns)));
+    }
+    (None, "the interpreter gives a number there".to_owned())
+}
+
+fn cause_in_words(world: &World, cause: Option<NanCause>) -> String {
+    match cause {
+        Some(NanCause::Expression(origin)) => origin_in_words(world, &origin),
+        Some(NanCause::InfiniteTimesZero(body)) => {
+            format!("an infinite number is multiplied by a weight of 0 on {}", world.scene().body(body).name)
+        }
+        Some(NanCause::BothSigns) => "infinite numbers of both signs are added up".to_owned(),
+        None => "no cause was found".to_owned(),
+    }
 }
 
 fn origin_in_words(world: &World, NanOrigin { body, light, typed_in, written, numbers }: &NanOrigin) -> String {
@@ -135,8 +147,9 @@ fn origin_in_words(world: &World, NanOrigin { body, light, typed_in, written, nu
         Some((end, _)) => format!("{}…", &text[..end]),
         None => text.to_owned(),
     };
-    let (body, light) = (&world.scene().body(*body).name, &world.scene().light(*light).name);
+    let body = &world.scene().body(*body).name;
+    let light = light.map_or_else(String::new, |light| format!(" for light {}", world.scene().light(light).name));
     let with_numbers = if written == numbers { String::new() } else { format!(", with numbers `{}`,", cut(numbers)) };
     let place = typed_in.as_ref().map_or_else(String::new, |name| format!(" of {name}"));
-    format!("it is `{}`{place}{with_numbers} on {body} for light {light}", cut(written))
+    format!("it is `{}`{place}{with_numbers} on {body}{light}", cut(written))
 }

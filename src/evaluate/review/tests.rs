@@ -123,6 +123,38 @@ fn the_branch_that_is_not_taken_is_not_blamed() {
 }
 
 #[test]
+fn nan_behind_the_surface_and_in_terms_of_the_surface_is_named() {
+    // The light is behind all that is seen. A formula that reads `visible` is evaluated for it too.
+    let behind = SCENE.replace("<0,3,5>", "<0,0,-9>");
+    let found = said("formula; = <visible*0> + IL*sqrt(N.L);", &behind, &[]).expect("a finding");
+    assert!(found.contains("it is `sqrt(N.L)`, with numbers `sqrt(-") && found.ends_with(" on ball for light key"), "{found}");
+    let mirror = SCENE.replace(", opaque, matte", ", opaque");
+    let glass = SCENE.replace(", opaque, matte", "");
+    for (name, typed, function, scene) in [
+        ("emission", "<sqrt(0 - N.V)>", "sqrt", SCENE),
+        ("ambient", "<log(0 - N.V)>", "log", SCENE),
+        ("reflected", "sqrt(0 - N.V)", "sqrt", &mirror),
+        ("refracted", "sqrt(0 - N.V)", "sqrt", &glass),
+    ] {
+        let said = said(&format!("formula; {name} = {typed}; = Cd;"), scene, &[]).expect("a finding");
+        assert!(said.contains(&format!("it is `{function}(0 - N.V)` of {name}, with numbers `{function}(-0.")), "{said}");
+        assert!(said.ends_with(" on ball"), "{said}");
+    }
+}
+
+#[test]
+fn an_infinite_number_times_a_weight_of_0_is_said() {
+    // The mirror shows the wall, whose light is infinite. The weight is 0 in green and blue.
+    let scene = SCENE
+        .replace("radius 1, opaque, matte", "radius 1, opaque")
+        .replace("lights;", "wall: rectangle, <-99,-99,9>, <-99,99,9>, <99,99,9>, opaque, matte;\nlights;");
+    let formula = "body_specific; glow: scalar, default 0; formula; reflected = <1, 0, 0>;
+        emission = <glow/(N.N - N.N + 1 - glow)>; = 0*IL;";
+    let said = said(formula, &scene, &["wall.glow=1"]).expect("a finding");
+    assert!(said.ends_with("an infinite number is multiplied by a weight of 0 on ball"), "{said}");
+}
+
+#[test]
 fn infinite_numbers_of_both_signs_are_said() {
     let scene = SCENE.replace("camera;", "fill: point, <0,1,5>;\ncamera;").replace("radius 1", "radius 4");
     let formula = "light_specific; s: scalar, constraint -1..1; formula; = <s, s, s>/(N.N - N.N);";
