@@ -1,11 +1,11 @@
 //! Why a picture is black, or all of one colour.
 
 use super::{PictureSummary, ReviewedPicture};
-use crate::evaluate::inspect::{End, Inspection, Inspector, Visibility, figures};
+use crate::evaluate::inspect::{Inspection, Inspector, Visibility, figures};
 use crate::formula::layout::Layout;
 use crate::formula::{Parameter, ParameterId};
 use crate::lang::variables::{Owner, Predefined};
-use crate::scene::BodyId;
+use crate::scene::{BodyId, Scene};
 use crate::trace::Tracer;
 use crate::world::{Side, SurfaceHit};
 use rayon::prelude::*;
@@ -22,10 +22,12 @@ const FEW: usize = 6;
 /// Why a picture is black, or all of one colour.
 #[derive(Debug, Clone, PartialEq)]
 pub enum PlainCause {
-    /// No primary ray meets a body, so every pixel is the background.
+    /// No primary ray meets a body, so every pixel is the background, and the environment if there is one.
     NoBodySeen {
         /// Whether the scene has bodies.
         has_bodies: bool,
+        /// Whether the scene has an environment, which is seen too.
+        has_environment: bool,
     },
     /// The camera is inside this body.
     InsideBody(String),
@@ -35,8 +37,8 @@ pub enum PlainCause {
     Negative(f32),
     /// The scene has no lights.
     NoLights,
-    /// No light reaches what is seen.
-    Unlit,
+    /// No light reaches what is seen. These are the reasons that were found.
+    Unlit(BTreeSet<UnlitReason>),
     /// Values of 0: with other values of any of these parameters, or of all of them, something is seen.
     Zero {
         /// The parameters.
@@ -50,13 +52,39 @@ pub enum PlainCause {
     Unknown,
 }
 
+/// Why a light does not reach what is seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum UnlitReason {
+    /// It is behind a surface.
+    Behind,
+    /// Bodies are in between.
+    Between,
+    /// It is a spot whose cone is elsewhere.
+    Elsewhere,
+    /// It is an environment that is black.
+    BlackEnvironment,
+}
+
+impl fmt::Display for UnlitReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            UnlitReason::Behind => "lights are behind the surfaces",
+            UnlitReason::Between => "bodies are in between",
+            UnlitReason::Elsewhere => "spots shine elsewhere",
+            UnlitReason::BlackEnvironment => "the image of the environment is black",
+        })
+    }
+}
+
 impl fmt::Display for PlainCause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            PlainCause::NoBodySeen { has_bodies: true } => f.write_str("the camera sees no body, only the background"),
-            PlainCause::NoBodySeen { has_bodies: false } => {
-                f.write_str("the scene has no bodies, so only the background is seen")
-            }
+            PlainCause::NoBodySeen { has_bodies, has_environment } => f.write_str(match (has_bodies, has_environment) {
+                (true, false) => "the camera sees no body, only the background",
+                (true, true) => "the camera sees no body, only the environment and the background",
+                (false, false) => "the scene has no bodies, so only the background is seen",
+                (false, true) => "the scene has no bodies, so only the environment and the background are seen",
+            }),
             PlainCause::InsideBody(name) => write!(f, "the camera is inside the body {name}"),
             PlainCause::TooDark(largest, stops) => {
                 write!(
@@ -70,8 +98,9 @@ impl fmt::Display for PlainCause {
                 write!(f, "the formula gives negative numbers, down to {}", figures(f64::from(*smallest)))
             }
             PlainCause::NoLights => f.write_str("the scene has no lights"),
-            PlainCause::Unlit => {
-                f.write_str("no light reaches what is seen; the lights are behind the surfaces, or bodies are in between")
+            PlainCause::Unlit(reasons) => {
+                let reasons: Vec<String> = reasons.iter().map(UnlitReason::to_string).collect();
+                write!(f, "no light reaches what is seen: {}", reasons.join(", "))
             }
             PlainCause::Zero { names, each } => zero(f, names, *each),
             PlainCause::FormulaIsZero => f.write_str("the formula gives 0 wherever light falls on what is seen"),
@@ -112,9 +141,13 @@ pub(super) fn of_black(picture: &ReviewedPicture, summary: &PictureSummary) -> P
     let pixels: Vec<[u32; 2]> = hits.iter().step_by(step).map(|(pixel, _)| *pixel).collect();
     let seen: BTreeSet<BodyId> = hits.iter().map(|(_, hit)| hit.body).collect();
     let inspector = Inspector::new(picture.formula, picture.world, picture.numbers);
-    let is_lit = pixels.iter().filter_map(|pixel| inspector.inspect(picture.view, *pixel)).any(|pixel| is_lit(&pixel));
-    if !is_lit {
-        return if picture.world.scene().lights.is_empty() { PlainCause::NoLights } else { PlainCause::Unlit };
+    if picture.world.scene().lights.is_empty() {
+        return PlainCause::NoLights;
+    }
+    let mut reasons = BTreeSet::new();
+    let mut inspections = pixels.iter().filter_map(|pixel| inspector.inspect(picture.view, *pixel));
+    if !inspections.any(|inspection| is_lit(picture.world.scene(), &inspection, &mut reasons)) {
+        return PlainCause::Unlit(reasons);
     }
     zero_parameters(picture, &seen, &pixels).unwrap_or(PlainCause::FormulaIsZero)
 }
@@ -143,8 +176,8 @@ fn visible(picture: &ReviewedPicture) -> Result<Vec<([u32; 2], SurfaceHit)>, Pla
         let found =
             (0..view.pixels()).into_par_iter().find_map_any(|pixel| tracer.hit(&tracer.primary(pixel)).map(|hit| (pixel, hit)));
         let at = |pixel: u32| [pixel % view.width(), pixel / view.width()];
-        let has_bodies = !world.scene().bodies.is_empty();
-        return found.map(|(pixel, hit)| vec![(at(pixel), hit)]).ok_or(PlainCause::NoBodySeen { has_bodies });
+        let (has_bodies, has_environment) = (!world.scene().bodies.is_empty(), world.environment().is_some());
+        return found.map(|(pixel, hit)| vec![(at(pixel), hit)]).ok_or(PlainCause::NoBodySeen { has_bodies, has_environment });
     };
     let (camera, bounds) = (world.scene().camera.position(), world.bounds(first.body));
     let is_inside = camera.cmpgt(bounds.low).all() && camera.cmplt(bounds.high).all();
@@ -154,11 +187,19 @@ fn visible(picture: &ReviewedPicture) -> Result<Vec<([u32; 2], SurfaceHit)>, Pla
     Ok(hits)
 }
 
-/// Whether a light reaches a hit of a pixel.
-fn is_lit(inspection: &Inspection) -> bool {
-    inspection.rays.iter().any(|ray| match &ray.end {
-        End::Hit(hit) => hit.lights.iter().any(|light| light.visibility == Visibility::Lit),
-        End::Background => false,
+/// Whether a light reaches a hit of a pixel. If none does, the reasons are added.
+fn is_lit(scene: &Scene, inspection: &Inspection, reasons: &mut BTreeSet<UnlitReason>) -> bool {
+    let hits = (0..inspection.rays.len()).filter_map(|ray| inspection.hit(ray));
+    let mut lights = hits.flat_map(|hit| &hit.lights);
+    lights.any(|light| {
+        reasons.insert(match light.visibility {
+            Visibility::Lit => return true,
+            Visibility::Away(_) => UnlitReason::Behind,
+            Visibility::Shadowed(_) => UnlitReason::Between,
+            Visibility::Dark if scene.light(light.light).kind.environment().is_some() => UnlitReason::BlackEnvironment,
+            Visibility::Dark => UnlitReason::Elsewhere,
+        });
+        false
     })
 }
 

@@ -6,7 +6,7 @@ mod summary;
 #[cfg(test)]
 mod tests;
 
-pub use cause::PlainCause;
+pub use cause::{PlainCause, UnlitReason};
 pub use summary::PictureSummary;
 
 use crate::evaluate::inspect::{Inspector, NanCause, NanOrigin, vector_figures};

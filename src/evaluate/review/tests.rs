@@ -1,10 +1,13 @@
 //! Every sentence, for pictures that are black or undefined for a known reason.
 
 use super::*;
+use crate::environment::RadianceMap;
 use crate::lang::source::Source;
 use crate::picture::{Frame, Transfer};
 use crate::scene::Scene;
 use crate::workspace::{NamedAssignment, Values};
+use crate::world::{Assets, NamedMap};
+use std::sync::Arc;
 
 const SCENE: &str = "bodies;
 ball: sphere, center <0,0,0>, radius 1, opaque, matte;
@@ -29,7 +32,10 @@ fn said_with(formula: &str, scene: &str, settings: &[&str], transform: ViewTrans
         let given = setting.parse::<NamedAssignment>().expect("a setting").resolve(values.table()).expect("known names");
         assert_eq!(values.assign(&given), []);
     }
-    let (world, view) = (World::new(scene, &crate::world::Assets::NONE).expect("no meshes"), View::new(8, 6).expect("a size"));
+    let (black, _) = RadianceMap::of_rows(4, 2, |_, _| ()).expect("a size");
+    let environment = Some(NamedMap { path: "black.exr".to_owned(), map: Arc::new(black) });
+    let assets = Assets { environment, ..Assets::NONE };
+    let (world, view) = (World::new(scene, &assets).expect("no meshes"), View::new(8, 6).expect("a size"));
     let inspector = Inspector::new(&formula, &world, values.numbers());
     let mut frame = Frame::black(8, 6);
     for (index, pixel) in frame.linear.iter_mut().enumerate() {
@@ -77,6 +83,10 @@ fn what_the_camera_sees_is_said() {
     assert_eq!(grey, "every pixel has the same colour, <0.5, 0.25, 1>: the camera sees no body, only the background");
     let nothing = SCENE.replace("ball: sphere, center <0,0,0>, radius 1, opaque, matte;", "");
     assert_eq!(black(LAMBERT, &nothing, &[]), "the scene has no bodies, so only the background is seen");
+    let white = nothing.replace("key: point, <0,3,5>", "sky: environment");
+    let said = said(LAMBERT, &white, &[]).expect("a finding");
+    let only = "the scene has no bodies, so only the environment and the background are seen";
+    assert_eq!(said, format!("every pixel has the same colour, <1, 1, 1>: {only}"));
     let inside = SCENE.replace("radius 1", "radius 9");
     assert_eq!(black(LAMBERT, &inside, &["ka=0", "key.ki=0"]), "the camera is inside the body ball");
 }
@@ -86,8 +96,18 @@ fn lights_that_are_missing_or_do_not_reach_are_said() {
     let dark = SCENE.replace("key: point, <0,3,5>;", "");
     assert_eq!(black(LAMBERT, &dark, &["ka=0"]), "the scene has no lights");
     let behind = SCENE.replace("<0,3,5>", "<0,0,-9>");
-    let unlit = "no light reaches what is seen; the lights are behind the surfaces, or bodies are in between";
-    assert_eq!(black(LAMBERT, &behind, &["ka=0"]), unlit);
+    let unlit = "no light reaches what is seen: ";
+    assert_eq!(black(LAMBERT, &behind, &["ka=0"]), format!("{unlit}lights are behind the surfaces"));
+    let elsewhere = SCENE.replace("point, <0,3,5>", "spot, <0,3,5>, target <0,9,5>, angle 20");
+    assert_eq!(black(LAMBERT, &elsewhere, &["ka=0"]), format!("{unlit}spots shine elsewhere"));
+    // One lamp is behind the wall that is seen, and another wall is before the other lamp.
+    let walls = "ball: rectangle, <-9,-9,0>, <-9,9,0>, <9,9,0>; cover: rectangle, <-99,-99,6>, <-99,99,6>, <99,99,6>;";
+    let covered = SCENE.replace("ball: sphere, center <0,0,0>, radius 1, opaque, matte;", walls);
+    let covered = covered.replace("<0,3,5>", "<0,0,9>; low: point, <0,0,-9>");
+    let both = format!("{unlit}lights are behind the surfaces, bodies are in between");
+    assert_eq!(black(LAMBERT, &covered, &["ka=0"]), both);
+    let night = SCENE.replace("key: point, <0,3,5>", "key: environment, \"black.exr\"");
+    assert_eq!(black(LAMBERT, &night, &["ka=0"]), format!("{unlit}the image of the environment is black"));
 }
 
 #[test]
@@ -171,7 +191,7 @@ fn the_pass_in_which_a_pixel_is_nan_is_named() {
     let scene = SCENE.replace("radius 1", "radius 4");
     let scene = Scene::parse(&Source::new("scene", scene)).expect("a scene").0;
     let values = Values::defaults(&formula, &scene);
-    let (world, view) = (World::new(scene, &crate::world::Assets::NONE).expect("no files"), View::new(1, 1).expect("a size"));
+    let (world, view) = (World::new(scene, &Assets::NONE).expect("no files"), View::new(1, 1).expect("a size"));
     let is_near = |pass: u32| {
         let view = view.with_pass(pass);
         let tracer = crate::trace::Tracer::new(&world, &view);
