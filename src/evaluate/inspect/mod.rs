@@ -20,7 +20,10 @@ pub use figures::{Quantity, figures, vector_figures, weight_figures};
 pub use instance::{Instance, InstanceLine};
 pub use nan::{NanCause, NanOrigin};
 pub use passes::PassColours;
-pub use report::{Crossing, End, InspectedHit, InspectedLight, InspectedRay, Inspection, Onward, Visibility};
+pub use report::{
+    Crossing, End, InspectedEnvironment, InspectedHit, InspectedLight, InspectedMiss, InspectedRay, Inspection, Onward,
+    Visibility,
+};
 pub use text::left_out;
 
 use crate::evaluate::equation_in;
@@ -131,7 +134,11 @@ impl<'i> Inspector<'i> {
                 }
             }
             let (end, own) = match node {
-                None => (End::Background, self.miss(ray.direction)),
+                None => {
+                    let miss = self.miss(ray.direction);
+                    let seen = miss.environment.map(|environment| environment.contribution);
+                    (End::Miss(miss), seen.map_or(miss.background, |seen| add(miss.background, seen)))
+                }
                 Some(node) => {
                     let hit = self.hit(tracer, node);
                     let own = own(&hit);
@@ -156,16 +163,21 @@ impl<'i> Inspector<'i> {
     }
 
     /// What a ray that leaves the scene in this direction brings.
-    fn miss(&self, direction: DVec3) -> [f32; 3] {
+    fn miss(&self, direction: DVec3) -> InspectedMiss {
         let background = self.equation.sum(Site::Miss, self.parameters, 0);
-        let Some(environment) = self.world.environment() else { return background };
-        let radiance = environment.radiance(direction);
-        let terms = EquationTerm::at(Site::Environment);
-        terms.fold(background, |sum, term| {
-            let owner = |factor: Predefined| self.equation.owner_of(factor, 0);
-            let value = |factor: Predefined| self.equation.value(self.parameters, factor, owner(factor));
-            add(sum, term.product_with(value, radiance))
-        })
+        let environment = self.world.environment().map(|environment| {
+            let radiance = environment.radiance(direction);
+            let value = |factor: Predefined| self.equation.value(self.parameters, factor, self.equation.owner_of(factor, 0));
+            let terms = EquationTerm::at(Site::Environment).map(|term| term.product_with(value, radiance));
+            InspectedEnvironment {
+                light: environment.light(),
+                intensity: value(Predefined::Intensity)[0],
+                colour: value(Predefined::LightColour),
+                radiance,
+                contribution: terms.reduce(add).unwrap_or_default(),
+            }
+        });
+        InspectedMiss { background, environment }
     }
 
     /// A hit with its lights. Its child rays are filled in when they are followed.

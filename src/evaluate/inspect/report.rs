@@ -51,9 +51,33 @@ pub struct InspectedRay {
 #[derive(Debug, Clone, PartialEq)]
 pub enum End {
     /// Nowhere: it leaves the scene.
-    Background,
+    Miss(InspectedMiss),
     /// On a body.
     Hit(Box<InspectedHit>),
+}
+
+/// What a ray that leaves the scene brings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InspectedMiss {
+    /// The background, linear RGB.
+    pub background: [f32; 3],
+    /// The environment, if the scene has one.
+    pub environment: Option<InspectedEnvironment>,
+}
+
+/// What a ray that leaves the scene sees of the environment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InspectedEnvironment {
+    /// The light that it is.
+    pub light: LightId,
+    /// ki, its intensity.
+    pub intensity: f32,
+    /// IL, its colour, linear RGB.
+    pub colour: [f32; 3],
+    /// Its radiance from the direction of the ray, linear RGB.
+    pub radiance: [f32; 3],
+    /// ki·IL·radiance, linear RGB.
+    pub contribution: [f32; 3],
 }
 
 /// A hit and everything that is added up there.
@@ -176,7 +200,7 @@ impl Inspection {
     pub fn hit(&self, ray: usize) -> Option<&InspectedHit> {
         match &self.rays.get(ray)?.end {
             End::Hit(hit) => Some(hit),
-            End::Background => None,
+            End::Miss(_) => None,
         }
     }
 }

@@ -253,7 +253,10 @@ fn a_mirror_shows_what_is_before_it() {
     near(at_wall.incidence, 0.6_f64.acos().to_degrees());
     near(at_wall.surface.distance, 5.0);
     assert_eq!((at_mirror.reflected, at_wall.reflected), (Onward::Ray(1), Onward::Ray(2)));
-    assert_eq!((&back.end, inspection.hit(2)), (&End::Background, None));
+    assert_eq!(
+        (&back.end, inspection.hit(2)),
+        (&End::Miss(InspectedMiss { background: [0.8, 0.0, 0.0], environment: None }), None)
+    );
     alike(wall.own, [0.4, 0.2, 0.1]);
     alike(wall.total, [0.6, 0.2, 0.1]);
     alike(wall.contribution, [0.2, 0.1, 0.05]);
@@ -312,10 +315,27 @@ fn beyond_the_critical_angle_all_is_reflected() {
 fn a_ray_past_everything_and_a_pixel_past_the_picture() {
     let bench = Bench::new(LAMBERT, &format!("bodies; lights; {PREFETCH_DISTANCE}"), &["background=<0.1, 0.2, 0.3>"]);
     let inspection = bench.inspect();
-    assert_eq!((inspection.rays.len(), &inspection.rays[0].end), (1, &End::Background));
+    assert_eq!(inspection.rays.len(), 1);
+    assert_eq!(inspection.rays[0].end, End::Miss(InspectedMiss { background: [0.1, 0.2, 0.3], environment: None }));
     assert_eq!(inspection.total, [0.1, 0.2, 0.3]);
     assert_eq!(bench.inspector().inspect(&bench.view, [1, 0]), None);
     assert_eq!(bench.inspector().inspect(&bench.view, [0, 1]), None);
+}
+
+#[test]
+fn the_environment_behind_everything_stands_beside_the_background() {
+    let scene = format!("bodies; lights; sky: environment; {PREFETCH_DISTANCE}");
+    let settings = ["background=<0.1, 0.2, 0.3>", "sky.ki=0.5", "sky.IL=<1, 0.5, 0>"];
+    let bench = Bench::new(LAMBERT, &scene, &settings);
+    let inspection = bench.inspect();
+    // White, so ½·⟨1, ½, 0⟩ is added.
+    alike(inspection.total, [0.6, 0.45, 0.3]);
+    let text = bench.inspector().text(&inspection);
+    let lines = "  leaves the scene: background <0.1, 0.2, 0.3>
+  environment `sky`: ki*IL*radiance = 0.5*<1, 0.5, 0>*<1, 1, 1> = <0.5, 0.25, 0>
+  own = <0.1, 0.2, 0.3> + <0.5, 0.25, 0> = <0.6, 0.45, 0.3>
+";
+    assert!(text.contains(lines), "{text}");
 }
 
 #[test]
@@ -387,7 +407,10 @@ fn what_is_outside_a_cone_and_what_is_infinitely_far_away_is_said() {
         "bodies; ball: sphere, center <0,0,0>, radius 1;
          lights; beam: spot, <0,3,5>, target <0,9,5>, angle 20; sun: directional, <0,-3,-4>; {PREFETCH_DISTANCE}"
     );
-    for formula in ["formula; = IL*Cd*max(0, N.L);", "formula; = IL*Cd*max(0, N.L)*(0.5 + 0.5*visible);"] {
+    for (formula, dark) in [
+        ("formula; = IL*Cd*max(0, N.L);", "sends nothing here"),
+        ("formula; = IL*Cd*max(0, N.L)*(0.5 + 0.5*visible);", "radiance 0 here"),
+    ] {
         let bench = Bench::new(formula, &scene, &["ball.Cd=<1, 0.5, 0>", "ka=0"]);
         let inspection = bench.inspect();
         let hit = inspection.hit(0).expect("a hit");
@@ -395,7 +418,7 @@ fn what_is_outside_a_cone_and_what_is_infinitely_far_away_is_said() {
         assert_eq!(visible, [&Visibility::Dark, &Visibility::Lit]);
         alike(hit.lights[1].contribution, [0.8, 0.4, 0.0]);
         let text = bench.inspector().text(&inspection);
-        assert!(text.contains("light `beam`: sends nothing here, 36.87° from the normal, distance 5\n"), "{text}");
+        assert!(text.contains(&format!("light `beam`: {dark}, 36.87° from the normal, distance 5\n")), "{text}");
         assert!(text.contains("light `sun`: 36.87° from the normal, infinitely far away\n"), "{text}");
     }
 }

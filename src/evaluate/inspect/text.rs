@@ -4,8 +4,8 @@
 
 use crate::evaluate::inspect::figures::{figures, vector_figures, weight_figures};
 use crate::evaluate::inspect::{
-    Crossing, End, InspectedHit, InspectedLight, InspectedRay, Inspection, Inspector, InstanceLine, Onward, PassColours,
-    Visibility,
+    Crossing, End, InspectedEnvironment, InspectedHit, InspectedLight, InspectedMiss, InspectedRay, Inspection, Inspector,
+    InstanceLine, Onward, PassColours, Visibility,
 };
 use crate::formula::equation::weight_parameter;
 use crate::lang::surface_terms::SurfaceTerm;
@@ -81,7 +81,21 @@ impl PassColours {
     }
 }
 
+impl InspectedEnvironment {
+    /// What is seen of the environment with its numbers: ki*IL*radiance.
+    pub fn text(&self, scene: &Scene) -> String {
+        let factors = [scalar(self.intensity), colour(self.colour), colour(self.radiance)].join("*");
+        let name = &scene.light(self.light).name;
+        format!("environment `{name}`: ki*IL*radiance = {factors} = {}", colour(self.contribution))
+    }
+}
+
 impl InspectedLight {
+    /// That a light sends nothing to the hit. If the formula reads `visible`, its value is added all the same.
+    pub fn dark_text(&self) -> &'static str {
+        if self.evaluated { "radiance 0 here" } else { "sends nothing here" }
+    }
+
     /// The sample of a light that is more than a point: its direction, its point if it is not infinitely far away, its
     /// radiance and its weight if they are not 1.
     pub fn sample_text(&self, scene: &Scene, hit: &InspectedHit) -> Option<String> {
@@ -132,13 +146,21 @@ impl InspectionWriter<'_> {
         self.line(&format!("{kind}: from {} along {}", vector(ray.ray.origin), vector(ray.ray.direction)));
         self.depth += 1;
         match &ray.end {
-            End::Background => self.line(&format!("leaves the scene: background {}", colour(ray.own))),
+            End::Miss(miss) => self.miss(ray, miss),
             End::Hit(hit) => self.hit(ray, hit),
         }
         if ray.edge != Edge::Primary {
             let product = format!("{}*{}", weight_figures(ray.weight), colour(ray.own));
             self.equal("to the pixel: weight*own", vec![product, colour(ray.contribution)]);
         }
+    }
+
+    fn miss(&mut self, ray: &InspectedRay, miss: &InspectedMiss) {
+        self.line(&format!("leaves the scene: background {}", colour(miss.background)));
+        let Some(environment) = &miss.environment else { return };
+        self.line(&environment.text(self.inspector.world.scene()));
+        let terms = [miss.background, environment.contribution].map(colour);
+        self.equal("own", vec![terms.join(" + "), colour(ray.own)]);
     }
 
     fn hit(&mut self, ray: &InspectedRay, hit: &InspectedHit) {
@@ -188,7 +210,7 @@ impl InspectionWriter<'_> {
         };
         let state = match &light.visibility {
             Visibility::Lit => String::new(),
-            Visibility::Dark => "sends nothing here, ".to_owned(),
+            Visibility::Dark => format!("{}, ", light.dark_text()),
             Visibility::Away(bodies) if light.evaluated && !bodies.is_empty() => {
                 format!("behind the surface, {}", shadow(bodies))
             }

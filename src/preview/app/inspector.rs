@@ -3,8 +3,8 @@
 //! one.
 
 use crate::evaluate::inspect::{
-    End, InspectedHit, InspectedLight, Inspection, Inspector, InstanceLine, Onward, PassColours, Visibility, figures, left_out,
-    vector_figures, weight_figures,
+    End, InspectedHit, InspectedLight, InspectedMiss, Inspection, Inspector, InstanceLine, Onward, PassColours, Visibility,
+    figures, left_out, vector_figures, weight_figures,
 };
 use crate::preview::app::colours::{paint_swatch, shown_colour};
 use crate::preview::app::pane::Placement;
@@ -255,7 +255,8 @@ fn tree_ui(ui: &mut Ui, workshop: &Workshop, inspection: &Inspection) {
 fn ray_ui(ui: &mut Ui, workshop: &Workshop, inspection: &Inspection, index: usize) {
     let Some(ray) = inspection.rays.get(index) else { return };
     let name = match &ray.end {
-        End::Background => "background",
+        End::Miss(InspectedMiss { environment: None, .. }) => "background",
+        End::Miss(InspectedMiss { environment: Some(_), .. }) => "environment and background",
         End::Hit(hit) => workshop.scene().body(hit.body()).name.as_str(),
     };
     let way = match ray.edge {
@@ -271,8 +272,9 @@ fn ray_ui(ui: &mut Ui, workshop: &Workshop, inspection: &Inspection, index: usiz
         if leads_on {
             ui.weak(format!("{} from this hit itself, the rest from rays that continue", colour_text(ray.contribution)));
         }
-        if let End::Hit(hit) = &ray.end {
-            hit_ui(ui, workshop, hit);
+        match &ray.end {
+            End::Hit(hit) => hit_ui(ui, workshop, hit),
+            End::Miss(miss) => miss_ui(ui, workshop, miss),
         }
         let children = inspection.rays.iter().enumerate().filter(|(_, child)| child.parent == Some(index));
         for (child, _) in children {
@@ -290,6 +292,19 @@ fn sum_below(inspection: &Inspection, index: usize) -> [f32; 3] {
         let below = sum_below(inspection, child);
         [0, 1, 2].map(|component| sum[component] + below[component])
     })
+}
+
+fn miss_ui(ui: &mut Ui, workshop: &Workshop, miss: &InspectedMiss) {
+    ui.horizontal(|ui| {
+        swatch(ui, workshop, miss.background);
+        ui.label(format!("background {}", colour_text(miss.background)));
+    });
+    if let Some(environment) = &miss.environment {
+        ui.horizontal(|ui| {
+            swatch(ui, workshop, environment.contribution);
+            ui.label(environment.text(workshop.scene()));
+        });
+    }
 }
 
 fn hit_ui(ui: &mut Ui, workshop: &Workshop, hit: &InspectedHit) {
@@ -336,7 +351,7 @@ fn light_ui(ui: &mut Ui, workshop: &Workshop, hit: &InspectedHit, light: &Inspec
     };
     let position = match &light.visibility {
         Visibility::Lit => None,
-        Visibility::Dark => Some("sends nothing here".to_owned()),
+        Visibility::Dark => Some(light.dark_text().to_owned()),
         Visibility::Away(bodies) if light.evaluated && !bodies.is_empty() => {
             Some(format!("behind the surface, {}", shadow(bodies)))
         }
