@@ -23,8 +23,9 @@ pub struct MapRepairs {
     pub too_bright: u64,
     /// Texels with a component below 0. It became 0.
     pub negative: u64,
-    /// What these components sum up to, as a part of the sum of all others. Many images have
-    /// small ones, by compression with loss and by filters that sharpen.
+    /// What these components sum up to, as a part of the sum of all others; infinite if one of them is beyond the
+    /// numbers of a map, or if there are no others. Many images have small ones, by compression with loss and by
+    /// filters that sharpen.
     pub negative_part: f64,
 }
 
@@ -48,7 +49,9 @@ impl RowFindings {
             // What is too large would hide all others, and NaN is neither above nor below.
             if (0.0..=CompactNumber::MAX).contains(&component) {
                 self.above += f64::from(component);
-            } else if (-CompactNumber::MAX..0.0).contains(&component) {
+            } else if component < -CompactNumber::MAX {
+                self.below = f64::INFINITY;
+            } else if component < 0.0 {
                 self.below -= f64::from(component);
             }
         }

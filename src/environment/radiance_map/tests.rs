@@ -253,6 +253,10 @@ fn texels_that_are_no_radiance_are_counted() {
     assert_eq!((not_numbers, too_bright, negative), (1, 2, 2));
     // Below 0 are −1 and twice −0.5, above 2, 1, 1, 2 and 3. What is too large does not count.
     assert!((negative_part - 2.0 / 9.0).abs() < 1e-12, "{negative_part}");
+    for beyond in [[-1.0; 3], [f32::NEG_INFINITY, 1.0, 1.0], [-1e20, 1.0, 1.0]] {
+        let (_, repairs) = RadianceMap::of_rows(5, 1, |_, texels| texels.fill(beyond)).expect("a size");
+        assert_eq!((repairs.negative, repairs.negative_part), (5, f64::INFINITY));
+    }
     let texel = |column: f64| map.radiance(direction((column + 0.5) / 5.0, [1.0, 0.0]));
     assert_eq!((texel(0.0)[0], texel(0.0)[1]), (0.0, 0.0));
     assert!((texel(2.0)[0] / 8.585_741e9 - 1.0).abs() < 1e-3 && map.sample([0.5, 0.5]).is_some());

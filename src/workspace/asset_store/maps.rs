@@ -207,6 +207,10 @@ fn map_of<const COMPONENTS: usize>([width, height]: [u32; 2], numbers: &[f32]) -
 fn warnings(map: &RadianceMap, repairs: MapRepairs) -> impl Iterator<Item = Diagnostic> {
     let MapRepairs { not_numbers, too_bright, negative, negative_part } = repairs;
     let negative = if negative_part > NEGATIVE { negative } else { 0 };
+    let part = match negative_part.is_finite() {
+        true => format!(", {:.1} % of the light", 100.0 * negative_part),
+        false => String::new(),
+    };
     let counted = |count: u64, what: &str, used: &str| {
         let texels = if count == 1 { "1 texel has".to_owned() } else { format!("{count} texels have") };
         (count > 0).then(|| format!("{texels} {what}; {used} is used"))
@@ -217,7 +221,7 @@ fn warnings(map: &RadianceMap, repairs: MapRepairs) -> impl Iterator<Item = Diag
     let black = map.sample([0.5; 2]).is_none().then(|| "the image is black: it sends no light".to_owned());
     let found = [
         counted(not_numbers, "components that are not numbers", "0"),
-        counted(negative, &format!("components below 0, {:.1} % of the light", 100.0 * negative_part), "0"),
+        counted(negative, &format!("components below 0{part}"), "0"),
         counted(too_bright, "components that are infinite or too large", "8.6e9"),
         stretched,
         black,

@@ -188,6 +188,12 @@ fn what_is_odd_about_an_image_is_a_warning() {
     little.save(folder.path().join("little.exr")).unwrap();
     assert_eq!(said_of("environment, \"little.exr\"", folder.path()), "");
     assert!(said_of("environment, \"black.exr\"", folder.path()).contains("the image is black: it sends no light"));
+    // There is no light that they could be a part of, or they are infinite.
+    for (name, texel) in [("below.exr", [-1.0; 3]), ("red.exr", [f32::NEG_INFINITY, 1.0, 1.0])] {
+        Rgb32FImage::from_pixel(4, 2, Rgb(texel)).save(folder.path().join(name)).unwrap();
+        let said = said_of(&format!("environment, \"{name}\""), folder.path());
+        assert!(said.contains("warning: 8 texels have components below 0; 0 is used\n"), "{said}");
+    }
 }
 
 #[test]
