@@ -368,10 +368,12 @@ impl SceneParser {
             }
         }
         self.check_shading(shape, seen[3], seen[4]);
-        if let [Some(index), Some(opaque), ..] = seen {
-            let diagnostic =
-                Diagnostic::warning("the refractive index of an opaque body has no effect").at(index, "this is not used");
-            self.cursor.report(diagnostic.at(opaque, "because the body never refracts"));
+        // The weight of the reflected ray may read the index, whether the body is opaque or not.
+        if let [Some(index), Some(opaque), Some(matte), ..] = seen {
+            let message = "the refractive index of a body that is opaque and matte has no effect";
+            let diagnostic = Diagnostic::warning(message).at(index, "this is not used");
+            let diagnostic = diagnostic.at(opaque, "the body does not refract").at(matte, "and does not reflect");
+            self.cursor.report(diagnostic);
         }
         Ok(attributes)
     }

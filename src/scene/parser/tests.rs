@@ -56,13 +56,21 @@ fn keywords_are_words_only_in_their_places() {
 
 #[test]
 fn an_index_without_use_is_warned_of() {
-    let source = Source::new("scene", bodies("b: sphere, center <0,0,0>, radius 1, refractive_index 1.5, opaque;"));
-    assert_snapshot!(format!("{:#}", parse(&source).unwrap().1.located(&source)), @r"
-    scene:2:38: warning: the refractive index of an opaque body has no effect
-        b: sphere, center <0,0,0>, radius 1, refractive_index 1.5, opaque;
+    let source = |attributes: &str| {
+        Source::new("scene", bodies(&format!("b: sphere, center <0,0,0>, radius 1, refractive_index 1.5, {attributes};")))
+    };
+    let both = source("opaque, matte");
+    assert_snapshot!(format!("{:#}", parse(&both).unwrap().1.located(&both)), @r"
+    scene:2:38: warning: the refractive index of a body that is opaque and matte has no effect
+        b: sphere, center <0,0,0>, radius 1, refractive_index 1.5, opaque, matte;
                                              ^^^^^^^^^^^^^^^^ this is not used
-        2:60: because the body never refracts
+        2:60: the body does not refract
+        2:68: and does not reflect
     ");
+    // `reflected` may read it as `eta` of a body that is opaque, and rays are refracted by one that is matte.
+    for one in ["opaque", "matte"] {
+        assert!(parse(&source(one)).unwrap().1.is_empty(), "{one}");
+    }
 }
 
 #[test]
@@ -551,7 +559,7 @@ fn a_flood_of_errors_or_warnings_ends() {
     let errors = parse(&Source::new("scene", format!("bodies; {}", ";".repeat(1 << 20)))).expect_err("this was taken");
     assert_eq!(errors.len(), 101);
     assert_eq!(errors.iter().last().map(Diagnostic::message), Some("there are more errors than are shown"));
-    let harmless = |n| format!("b{n}: sphere, center <0,0,0>, radius 1, opaque, refractive_index 2;");
+    let harmless = |n| format!("b{n}: sphere, center <0,0,0>, radius 1, opaque, matte, refractive_index 2;");
     let source = Source::new("scene", bodies(&(0..150).map(harmless).collect::<String>()));
     let (scene, warnings) = parse(&source).unwrap();
     assert_eq!((scene.bodies.len(), warnings.len()), (150, 100));
