@@ -7,7 +7,7 @@ use crate::files::{OpenError, Readable, open, reason};
 use crate::lang::diagnostic::Diagnostic;
 use crate::mesh::LookAlike;
 use crate::workspace::location::near_file;
-use image::codecs::hdr::HdrDecoder;
+use image::codecs::hdr::{HdrDecoder, HdrMetadata};
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use std::fs::{File, Metadata};
 use std::io::{self, BufReader, ErrorKind, Read, Seek};
@@ -114,6 +114,8 @@ pub(super) struct EncodedImage<'r> {
     format: &'static KnownFormat,
     width: u32,
     height: u32,
+    /// What red, green and blue are divided by, if it is not 1. Only linear images of three components have them.
+    divisors: Option<[f32; 3]>,
 }
 
 impl<'r> EncodedImage<'r> {
@@ -132,23 +134,29 @@ impl<'r> EncodedImage<'r> {
         let ImageLimits { side, bytes } = limits;
         let file = BufReader::new(file);
         let damaged = |error: ImageError| damage(error, limits);
-        let (format, decoder): (_, Box<dyn ImageDecoder + 'r>) = if beginning.starts_with(OTHER_HDR) {
-            (known(ImageFormat::Hdr)?, Box::new(HdrDecoder::new_nonstrict(file).map_err(damaged)?))
+        let mut most = Limits::default();
+        most.max_image_width = Some(side);
+        most.max_image_height = Some(side);
+        most.max_alloc = Some(bytes);
+        let is_other_hdr = beginning.starts_with(OTHER_HDR);
+        let guessed = if is_other_hdr { Some(ImageFormat::Hdr) } else { image::guess_format(&beginning).ok() };
+        let format = known(guessed.ok_or_else(|| Undecoded::Format(LookAlike::of(&beginning)))?)?;
+        let mut divisors = None;
+        let decoder: Box<dyn ImageDecoder + 'r> = if format.format == ImageFormat::Hdr {
+            let mut decoder = HdrDecoder::with_strictness(file, !is_other_hdr).map_err(damaged)?;
+            decoder.set_limits(most).map_err(damaged)?;
+            divisors = divisors_of(&decoder.metadata())?;
+            Box::new(decoder)
         } else {
-            let mut reader = ImageReader::new(file).with_guessed_format().map_err(unread)?;
-            let format = known(reader.format().ok_or_else(|| Undecoded::Format(LookAlike::of(&beginning)))?)?;
-            let mut most = Limits::default();
-            most.max_image_width = Some(side);
-            most.max_image_height = Some(side);
-            most.max_alloc = Some(bytes);
+            let mut reader = ImageReader::with_format(file, format.format);
             reader.limits(most);
-            (format, Box::new(reader.into_decoder().map_err(damaged)?))
+            Box::new(reader.into_decoder().map_err(damaged)?)
         };
         let (width, height) = decoder.dimensions();
         if width > side || height > side {
             return Err(Undecoded::Contents(format!("it has {width}×{height} texels: at most {side} a side")));
         }
-        Ok(Self { decoder, format, width, height })
+        Ok(Self { decoder, format, width, height, divisors })
     }
 
     /// Width and height in texels, each at most the limit. They may be 0.
@@ -187,8 +195,29 @@ impl<'r> EncodedImage<'r> {
     /// # Errors
     /// It is damaged, or of a kind that is not known.
     pub(super) fn decode(self, limits: ImageLimits) -> Result<DynamicImage, Undecoded> {
-        DynamicImage::from_decoder(self.decoder).map_err(|error| damage(error, limits))
+        let mut image = DynamicImage::from_decoder(self.decoder).map_err(|error| damage(error, limits))?;
+        if let (Some(divisors), DynamicImage::ImageRgb32F(image)) = (self.divisors, &mut image) {
+            for texel in image.pixels_mut() {
+                texel.0.iter_mut().zip(divisors).for_each(|(component, divisor)| *component /= divisor);
+            }
+        }
+        Ok(image)
     }
+}
+
+/// What the components of a Radiance image are divided by: the products of its `EXPOSURE` and `COLORCORR` lines, which
+/// say by what they were multiplied. `None`: nothing. Source: G. Ward Larson and R. Shakespeare, Rendering with
+/// Radiance (1998), and the file formats of Radiance.
+fn divisors_of(header: &HdrMetadata) -> Result<Option<[f32; 3]>, Undecoded> {
+    if header.exposure.is_none() && header.color_correction.is_none() {
+        return Ok(None);
+    }
+    let (red, green, blue) = header.color_correction.unwrap_or((1.0, 1.0, 1.0));
+    let divisors = [red, green, blue].map(|correction| correction * header.exposure.unwrap_or(1.0));
+    if divisors.iter().any(|divisor| !divisor.is_normal() || *divisor < 0.0) {
+        return Err(Undecoded::Contents("its EXPOSURE or COLORCORR is not a number above 0".to_owned()));
+    }
+    Ok(Some(divisors))
 }
 
 /// What is wrong with an image that could not be decoded, without the words of the library.
@@ -204,6 +233,10 @@ fn damage(error: ImageError, limits: ImageLimits) -> Undecoded {
                 ["unexpected end", "unexpected eof", "failed to fill", "exhausted data", "not enough bytes", "missing bytes"];
             if is_cut_off.into_iter().any(|words| text.contains(words)) {
                 CUT_OFF
+            } else if text.contains("orientation") {
+                "its rows are not from the top down, each from the left: only the orientation -Y +X is read"
+            } else if text.contains("xyze") {
+                "its colours are XYZ: only RGB is read"
             } else if text.contains("rgb channels") {
                 "it has no channels R, G and B, or is a deep image"
             } else {

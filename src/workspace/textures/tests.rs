@@ -69,6 +69,32 @@ fn jpeg_is_srgb_and_exr_and_hdr_are_linear() {
 }
 
 #[test]
+fn header_lines_of_radiance_files_count() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("plain.hdr");
+    Rgb32FImage::from_raw(2, 1, vec![4.0, 2.0, 1.0, 0.0, 1.0, 0.5]).expect("pixels").save(&path).expect("a file");
+    let bytes = fs::read(&path).expect("the file");
+    let rest = bytes.strip_prefix(b"#?RADIANCE\n").expect("a signature");
+    let with = |lines: &str| {
+        let path = folder.path().join("lines.hdr");
+        fs::write(&path, [b"#?RADIANCE\n", lines.as_bytes(), rest].concat()).expect("a file");
+        load(&path).map(|number| texture::numbered(number).expect("a texture")).map_err(|error| error.message().to_owned())
+    };
+    // The lines say by what the numbers were multiplied: 4·½·⟨1, 2, 4⟩.
+    let texture = with("EXPOSURE=4\nEXPOSURE= 0.5\nCOLORCORR=1 2 4\n").expect("an image");
+    assert_eq!([texture.texel(0, 0), texture.texel(1, 0)], [[2.0, 0.5, 0.125], [0.0, 0.25, 0.0625]]);
+    for wrong in ["EXPOSURE=0\n", "EXPOSURE=-1\n", "EXPOSURE=nan\n", "COLORCORR=1 0 1\n", "EXPOSURE=1e30\nEXPOSURE=1e30\n"] {
+        let message = with(wrong).expect_err(wrong);
+        assert!(message.ends_with("its EXPOSURE or COLORCORR is not a number above 0"), "{message}");
+    }
+    let text = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n+Y 2 +X 4\n";
+    fs::write(&path, text).expect("a file");
+    assert!(load(&path).expect_err("turned").message().ends_with("only the orientation -Y +X is read"));
+    fs::write(&path, "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 2 +X 4\n").expect("a file");
+    assert!(load(&path).expect_err("XYZ").message().ends_with("its colours are XYZ: only RGB is read"));
+}
+
+#[test]
 fn a_file_is_read_again_when_it_has_changed() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("four.png");
