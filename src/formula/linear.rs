@@ -42,6 +42,8 @@ pub(super) trait LinearForm {
     fn multiplies(&self, x: &[Product], y: &[Product]) -> bool;
     /// Whether the products of a sum may be divided by a node, which is not mixed, one by one.
     fn divides(&mut self, sum: &[Product], divisor: NodeId) -> bool;
+    /// Whether a choice between two sums by this condition may be made between their products, one by one.
+    fn chooses(&self, condition: NodeId) -> bool;
     /// The common factor by which two products can become one.
     fn common(&self, one: &Product, other: &Product) -> Option<Common>;
 
@@ -62,9 +64,10 @@ pub(super) trait LinearForm {
     /// The operands of which a mixed node is a linear combination.
     #[expect(clippy::wildcard_enum_match_arm, reason = "all other primitives are not linear")]
     fn linear_operands(&self, id: NodeId) -> Vec<NodeId> {
-        let Node::Apply(primitive, [x, y, ..]) = self.graph().node(id) else { return Vec::new() };
+        let Node::Apply(primitive, [x, y, z, ..]) = self.graph().node(id) else { return Vec::new() };
         match primitive {
             _ if !self.is_mixed(id) => Vec::new(),
+            Primitive::Select if self.chooses(x) => vec![y, z],
             Primitive::Add | Primitive::Sub | Primitive::Mul => vec![x, y],
             Primitive::Neg => vec![x],
             Primitive::Div if !self.is_mixed(y) => vec![x],
@@ -78,8 +81,9 @@ pub(super) trait LinearForm {
         if self.linear_operands(id).is_empty() {
             return None;
         }
-        let Node::Apply(primitive, [x, y, ..]) = self.graph().node(id) else { return None };
+        let Node::Apply(primitive, [x, y, z, ..]) = self.graph().node(id) else { return None };
         match primitive {
+            Primitive::Select => Some(self.chosen(x, &known[&y], &known[&z])),
             Primitive::Add => Some(self.gathered(known[&x].iter().chain(&known[&y]).copied())),
             Primitive::Sub => {
                 let subtrahend = self.negated(&known[&y])?;
@@ -117,6 +121,25 @@ pub(super) trait LinearForm {
         };
         let quotients: Vec<Product> = sum.iter().map(divided).collect();
         self.gathered(quotients)
+    }
+
+    /// One of two sums, by a condition that belongs to the inner factors.
+    fn chosen(&mut self, condition: NodeId, x: &[Product], y: &[Product]) -> Vec<Product> {
+        let [zero, one] = [0.0, 1.0].map(|number| self.constant(number));
+        let inner = |product: Option<&Product>| product.map_or(zero, |product| product.inner.unwrap_or(one));
+        let mut pairs: Vec<(Option<NodeId>, [NodeId; 2])> = Vec::new();
+        for product in x {
+            let other = y.iter().find(|other| other.outer == product.outer);
+            pairs.push((product.outer, [inner(Some(product)), inner(other)]));
+        }
+        for product in y.iter().filter(|product| x.iter().all(|other| other.outer != product.outer)) {
+            pairs.push((product.outer, [zero, inner(Some(product))]));
+        }
+        let mut products = Vec::with_capacity(pairs.len());
+        for (outer, [yes, no]) in pairs {
+            products.push(Product { outer, inner: Some(self.record(Primitive::Select, &[condition, yes, no])) });
+        }
+        products
     }
 
     /// The products with the opposite sign.

@@ -272,6 +272,10 @@ impl LinearForm for Rewriter<'_> {
         self.is_uniform(divisor) && self.interval(reciprocal).within(LARGEST_TERM) && self.may_scale(sum)
     }
 
+    fn chooses(&self, _: NodeId) -> bool {
+        false
+    }
+
     fn common(&self, one: &Product, other: &Product) -> Option<Common> {
         if !self.is_small(one) || !self.is_small(other) {
             return None;

@@ -281,6 +281,10 @@ impl LinearForm for Separator {
         true
     }
 
+    fn chooses(&self, condition: NodeId) -> bool {
+        self.is_fixed(condition)
+    }
+
     fn common(&self, one: &Product, other: &Product) -> Option<Common> {
         (one.outer == other.outer).then_some(Common::Outer)
     }
@@ -389,5 +393,22 @@ mod tests {
         }
         let sum = check(&chain(45, "<1, 2, 3>*(exp(-kd*alpha)) + Cd*ks*alpha", "M + M", "M"));
         assert!(matches!(sum, Dependence::Inseparable { .. }));
+    }
+    #[test]
+    fn choices_by_what_does_not_move_are_taken_apart() {
+        for (result, terms) in [
+            ("if(N.L > 0.1, Cd*(kd*(N.L) + ks), <0>)", 1),
+            ("if(N.L > 0.9, Cd*(kd*(N.L) + ks), kd*<1, 2, 3> - <ks>)", 2),
+            ("if(N.L > 0.9, <1>, kd^2*Cd + kd*<ks>)", 2),
+            ("Cd*if(N.L > ks, if(alpha > 0.1, kd, ks), 2*kd)", 2),
+            ("if(kd > 0.5, Cd, <ks>)", 0),
+            ("if(N.L > 0.1, Cd*sin(kd*alpha), <0>)", 0),
+        ] {
+            let found = check(&chain(0, "1", "M", result));
+            match found {
+                Dependence::Separable(found) => assert_eq!(found.len(), terms, "{result}"),
+                Dependence::None | Dependence::Inseparable { .. } => assert_eq!(terms, 0, "{result}: {found:?}"),
+            }
+        }
     }
 }
