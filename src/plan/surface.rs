@@ -52,6 +52,12 @@ impl SurfacePlan {
         nodes.map(|node| self.outputs.records.outputs.iter().position(|output| *output == node).unwrap_or(0))
     }
 
+    /// What is given at every hit, without the weights of rays, if it is the same for all hits and all numbers.
+    pub fn constant_own(&self) -> Option<[f32; 3]> {
+        let numbers = self.nodes.own?.map(|node| self.bindings.graph.constant(node));
+        numbers.iter().all(Option::is_some).then(|| numbers.map(Option::unwrap_or_default))
+    }
+
     /// Whether both compute the same.
     pub fn computes_the_same(&self, other: &SurfacePlan) -> bool {
         self.nodes == other.nodes && self.bindings.computes_the_same(&other.bindings)

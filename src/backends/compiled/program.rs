@@ -13,7 +13,7 @@ use crate::backends::compiled::surface::HitWeights;
 use crate::evaluate::weights::Weight;
 use crate::jit::{CallList, Line, Operands, Sums};
 use crate::plan::Channels;
-use crate::trace::{CHUNK_HITS, CHUNK_LINES, Group, LINE_HITS, ROUND_LINES, Span, Tile};
+use crate::trace::{CHUNK_HITS, CHUNK_LINES, Group, LINE_HITS, PathId, ROUND_LINES, Span, Tile};
 use smallvec::SmallVec;
 use std::ops::Range;
 use std::sync::Arc;
@@ -55,6 +55,8 @@ enum WeightClass {
     /// The weight is subnormal or 0 in single precision, so compiled code cannot use it.
     Tiny,
     Ordinary,
+    /// Each hit has a weight of its own.
+    OfHits,
 }
 
 impl WeightClass {
@@ -78,6 +80,24 @@ pub(super) struct TileInputs<'t> {
     pub(super) weights: &'t [Weight],
     /// The weight of each hit, if the formula gives weights of rays.
     pub(super) hit_weights: Option<HitWeights<'t>>,
+}
+
+impl TileInputs<'_> {
+    /// What the order of work depends on of a path. The formula gives weights of the rays behind the first hit only.
+    fn class(&self, path: PathId) -> WeightClass {
+        let weight = self.weights[path.index()];
+        match &self.hit_weights {
+            Some(_) if weight.is_zero() => WeightClass::Zero,
+            Some(weights) if weights.collects() || self.tile.paths[path.index()].parent.is_some() => WeightClass::OfHits,
+            Some(_) | None => WeightClass::of(weight),
+        }
+    }
+
+    /// The classes of all paths.
+    fn classes(&self) -> impl Iterator<Item = WeightClass> {
+        // A tile has fewer than 2³² paths.
+        (0..self.weights.len() as u32).map(|path| self.class(PathId(path)))
+    }
 }
 
 impl TileProgram {
@@ -105,10 +125,9 @@ impl TileProgram {
     /// and the set of active pairs may change.
     pub(super) fn prepare(&mut self, summation: &Summation, inputs: &TileInputs) {
         let active = || summation.sources.iter().flat_map(|source| source.active.iter().copied());
-        let classes = || inputs.weights.iter().map(|weight| WeightClass::of(*weight));
         let holds = |known: &BuiltFor| {
             active().eq(known.active.iter().copied())
-                && classes().eq(known.classes.iter().copied())
+                && inputs.classes().eq(known.classes.iter().copied())
                 && summation.columns.choices() == known.choices.as_ref()
         };
         if self.built_for.as_ref().is_some_and(holds) {
@@ -123,7 +142,7 @@ impl TileProgram {
         self.calls.shrink();
         self.between.shrink_to_fit();
         let choices = summation.columns.choices().cloned();
-        self.built_for = Some(BuiltFor { choices, active: active().collect(), classes: classes().collect() });
+        self.built_for = Some(BuiltFor { choices, active: active().collect(), classes: inputs.classes().collect() });
     }
 
     /// Does the work. `weights` holds the weight of each span, followed by as many more numbers as a chunk has hits.
@@ -153,7 +172,8 @@ impl TileProgram {
                 Portable::Add(spans, channels) => {
                     for span in &inputs.tile.spans[spans.clone()] {
                         let segments = inputs.tile.segments_of(span);
-                        match &inputs.hit_weights {
+                        let of_hits = |_: &&HitWeights| inputs.class(span.path) == WeightClass::OfHits;
+                        match inputs.hit_weights.as_ref().filter(of_hits) {
                             Some(weights) if weights.collect(segments, span.hits.start, sums, *channels) => {}
                             Some(weights) => planes.add_weighted(segments, span.hits.start, sums, weights, *channels),
                             None => planes.add(segments, sums, inputs.weights[span.path.index()], *channels),
@@ -200,7 +220,7 @@ impl ProgramBuilder<'_, '_> {
         if active_lights.is_empty() {
             return;
         }
-        let class = |span: &Span| WeightClass::of(self.inputs.weights[span.path.index()]);
+        let class = |span: &Span| self.inputs.class(span.path);
         let mut rest = self.inputs.tile.spans_of(group);
         let mut number = group.spans.start as usize;
         while let Some(first) = rest.first() {
@@ -210,8 +230,10 @@ impl ProgramBuilder<'_, '_> {
             let (chunk, behind) = rest.split_at(count);
             rest = behind;
             let weights = number;
-            // Consecutive spans whose weight is not 0 are computed together. The others are skipped.
-            for run in chunk.chunk_by(|a, b| (class(a) == WeightClass::Zero) == (class(b) == WeightClass::Zero)) {
+            // Consecutive spans whose weight is not 0 are computed together. The others are skipped. Those whose hits have
+            // weights of their own are added by other code.
+            let kind = |span: &Span| [WeightClass::Zero, WeightClass::OfHits].map(|kind| class(span) == kind);
+            for run in chunk.chunk_by(|a, b| kind(a) == kind(b)) {
                 let spans = number..number + run.len();
                 number = spans.end;
                 let (Some(first), Some(last)) = (run.first(), run.last()) else { continue };
@@ -226,8 +248,8 @@ impl ProgramBuilder<'_, '_> {
                     Channels::All => None,
                     Channels::One(component) => Some(component),
                 };
-                let tiny = run.iter().any(|span| class(span) == WeightClass::Tiny);
-                match self.summation.code.filter(|_| !tiny && self.inputs.hit_weights.is_none()) {
+                let is_ordinary = run.iter().all(|span| class(span) == WeightClass::Ordinary);
+                match self.summation.code.filter(|_| is_ordinary) {
                     Some(code) => self.program.calls.add(code, segments, weights, component, next_lines),
                     None => self.portably(Portable::Add(spans, self.summation.channels)),
                 }

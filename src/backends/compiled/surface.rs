@@ -16,6 +16,7 @@ use crate::backends::compiled::place::TilePlace;
 use crate::evaluate::weights::Weight;
 use crate::formula::Formula;
 use crate::formula::equation::{Equation, weighed_by, weight_parameter};
+use crate::formula::graph::NodeId;
 use crate::jit::compile::CompiledSurface;
 use crate::jit::{CompiledFormula, Line, Splat, Sums};
 use crate::lang::scalars::{Floats, Scalars, flush};
@@ -39,8 +40,8 @@ const NONE: u32 = u32::MAX;
 pub(super) struct SurfaceTile {
     /// The nodes of each path, in the order of their pixels. Those of a path that left the scene have no values.
     paths: Vec<Range<u32>>,
-    /// The lines of the nodes on each body, which has a node.
-    bodies: Vec<(BodyId, Range<usize>)>,
+    /// The nodes on each body that has one.
+    bodies: Vec<NodesOnBody>,
     /// The pixel of each node in the tile.
     pixels: Vec<u16>,
     /// The node from which the ray of each node comes.
@@ -50,6 +51,14 @@ pub(super) struct SurfaceTile {
     /// The static values of the nodes on bodies, line by line.
     columns: StreamMemory,
     lines: usize,
+}
+
+/// The nodes of a tile on one body.
+struct NodesOnBody {
+    body: BodyId,
+    lines: Range<usize>,
+    /// Whether any ray goes on from them.
+    go_on: bool,
 }
 
 /// What a summation needs to know beside its colours.
@@ -80,7 +89,8 @@ pub(super) struct SurfaceScratch {
     outputs: Vec<Line>,
     /// What is given with the other uniform values of a change.
     others: Vec<Line>,
-    /// The weights of the path up to each node, red, green and blue.
+    /// The weights of the path up to each node, red, green and blue. Those of the nodes of the camera's rays have no
+    /// meaning: they are 1.
     weights: Vec<[f64; 3]>,
     /// Whether any node of each path has another weight than 0.
     live: Vec<bool>,
@@ -117,7 +127,12 @@ pub(super) struct HitWeights<'w> {
 }
 
 impl HitWeights<'_> {
-    /// The weight of a hit: red, green and blue. `hit` is its number in the tile.
+    /// Whether the terms of nodes are collected.
+    pub(super) fn collects(&self) -> bool {
+        self.collected.is_some()
+    }
+
+    /// The weight of a hit that is not of a ray of the camera: red, green and blue. `hit` is its number in the tile.
     #[inline]
     pub(super) fn of(&self, hit: u32) -> [f64; 3] {
         self.weights[self.nodes[hit as usize] as usize]
@@ -191,21 +206,25 @@ impl SurfaceTile {
         };
         for path in order {
             let body = tile.paths[path.index()].body;
-            if made.bodies.last().map(|(body, _)| Some(*body)) != Some(body) {
+            if made.bodies.last().map(|nodes| Some(nodes.body)) != Some(body) {
                 made.pixels.resize(made.pixels.len().next_multiple_of(LINE_HITS), 0);
                 if let Some(body) = body {
-                    made.bodies.push((body, made.pixels.len() / LINE_HITS..0));
+                    made.bodies.push(NodesOnBody { body, lines: made.pixels.len() / LINE_HITS..0, go_on: false });
                 }
             }
             // A tile has fewer than 2³² hits and misses.
             let start = made.pixels.len() as u32;
             made.pixels.extend_from_slice(&pixels[path.index()]);
             made.paths[path.index()] = start..made.pixels.len() as u32;
-            if let (Some(_), Some((_, lines))) = (body, made.bodies.last_mut()) {
-                lines.end = made.pixels.len().div_ceil(LINE_HITS);
-                made.lines = lines.end;
+            if let (Some(_), Some(nodes)) = (body, made.bodies.last_mut()) {
+                nodes.lines.end = made.pixels.len().div_ceil(LINE_HITS);
+                made.lines = nodes.lines.end;
             }
         }
+        let goes_on = |body: BodyId| {
+            tile.paths.iter().any(|path| path.parent.is_some_and(|parent| tile.paths[parent.index()].body == Some(body)))
+        };
+        made.bodies.iter_mut().for_each(|nodes| nodes.go_on = goes_on(nodes.body));
         made.parents = vec![NONE; made.pixels.len()];
         for (path, own) in tile.paths.iter().zip(&made.paths) {
             let Some(parent) = path.parent else { continue };
@@ -330,7 +349,6 @@ impl SurfaceSummation<'_> {
         live: &mut Vec<bool>,
         product: impl Fn(f64, f64) -> f64,
     ) -> Special {
-        weights.clear();
         weights.resize(nodes.pixels.len(), [1.0; 3]);
         live.clear();
         live.resize(tile.paths.len(), true);
@@ -339,14 +357,17 @@ impl SurfaceSummation<'_> {
             let (Some(parent), Some(factors)) = (path.parent, self.factors(nodes, tile, path, outputs)) else { continue };
             if !live[parent.index()] {
                 live[index] = false;
+                weights[own.start as usize..own.end as usize].fill([0.0; 3]);
                 continue;
             }
             let mut any = false;
+            let of_camera = tile.paths[parent.index()].parent.is_none();
             for node in own.clone().map(|node| node as usize) {
-                let (parent, factor) = (nodes.parents[node] as usize, factors(node).map(f64::from));
+                let factor = factors(node).map(f64::from);
+                let before = if of_camera { [1.0; 3] } else { weights[nodes.parents[node] as usize] };
                 // A weight of 0 in all components cuts the ray off, even if another weight is infinite.
-                let is_cut = factor == [0.0; 3] || weights[parent] == [0.0; 3];
-                weights[node] = std::array::from_fn(|at| if is_cut { 0.0 } else { product(weights[parent][at], factor[at]) });
+                let is_cut = factor == [0.0; 3] || before == [0.0; 3];
+                weights[node] = std::array::from_fn(|at| if is_cut { 0.0 } else { product(before[at], factor[at]) });
                 any |= weights[node] != [0.0; 3];
                 special.is_unbounded |= !weights[node].iter().all(|weight| weight.abs() <= LARGEST_WEIGHT);
                 special.vanishes |= !is_cut && weights[node] == [0.0; 3];
@@ -374,6 +395,12 @@ impl SurfaceSummation<'_> {
         })
     }
 
+    /// The nodes of what is added at hits, if it is not constant.
+    fn own_nodes(&self) -> Option<[NodeId; 3]> {
+        let is_constant = matches!(self.own, OwnPart::None) || self.plan.constant_own().is_some();
+        self.plan.nodes.own.filter(|_| !is_constant)
+    }
+
     /// Adds what every hit and every ray that leaves the scene adds to the pixels, whatever the lights. `add` adds a
     /// colour to a pixel of the tile.
     pub(super) fn add_own(
@@ -388,12 +415,17 @@ impl SurfaceSummation<'_> {
         let nodes = self.nodes(place);
         let SurfaceScratch { outputs, others, weights, collects, collected, .. } = scratch;
         let count = self.compiled.outputs.overwrite.outputs();
-        let given = self.plan.nodes.own.filter(|_| !matches!(self.own, OwnPart::None)).map(|own| self.plan.columns(own));
+        let given = self.own_nodes().map(|own| self.plan.columns(own));
+        let everywhere = match self.own {
+            OwnPart::All => self.plan.constant_own().unwrap_or_default(),
+            OwnPart::None | OwnPart::Change(..) => [0.0; 3],
+        };
         for ((path, own), weight) in tile.paths.iter().zip(&nodes.paths).zip(path_weights) {
             if weight.is_zero() {
                 continue;
             }
-            let constant = path.body.map_or(at_misses, |body| at_hits[body.index()]);
+            let at_hit = |body: BodyId| std::array::from_fn(|component| at_hits[body.index()][component] + everywhere[component]);
+            let constant = path.body.map_or(at_misses, at_hit);
             let given = given.filter(|_| path.body.is_some());
             if given.is_none() && constant == [0.0; 3] {
                 continue;
@@ -410,7 +442,7 @@ impl SurfaceSummation<'_> {
                     });
                     colour = std::array::from_fn(|component| colour[component] + own[component]);
                 }
-                let weight = weights[node];
+                let weight = if path.parent.is_some() { weights[node] } else { [1.0; 3] };
                 if *collects {
                     collected[node] = colour;
                 } else if weight != [0.0; 3] {
@@ -436,9 +468,10 @@ impl SurfaceSummation<'_> {
         let SurfaceScratch { weights, collects, collected, .. } = scratch;
         for span in tile.misses.iter().filter(|span| !path_weights[span.path.index()].is_zero()) {
             // The nodes of a path and its misses are in the order of pixels.
+            let of_camera = tile.paths[span.path.index()].parent.is_none();
             for (node, miss) in nodes.paths[span.path.index()].clone().zip(span.hits.clone()) {
                 let (node, sum) = (node as usize, seen(miss as usize));
-                let weight = weights[node];
+                let weight = if of_camera { [1.0; 3] } else { weights[node] };
                 if *collects {
                     collected[node] = std::array::from_fn(|component| collected[node][component] + sum[component]);
                 } else if weight != [0.0; 3] {
@@ -496,8 +529,9 @@ impl SurfaceSummation<'_> {
         let uniform_count = self.compiled.outputs.uniforms.outputs();
         outputs.resize((nodes.lines + ROUND_LINES) * count, Line::default());
         let columns = nodes.columns.lines();
+        let adds_own = self.own_nodes().is_some();
         // A kernel computes whole rounds. What it writes beyond the lines of a body is written again for the next one.
-        for (body, lines) in &nodes.bodies {
+        for NodesOnBody { body, lines, .. } in nodes.bodies.iter().filter(|nodes| nodes.go_on || adds_own) {
             let first = body.index() * uniform_count;
             let uniforms = &all_uniforms[first..first + uniform_count];
             let own = &mut outputs[lines.start * count..];
