@@ -271,6 +271,9 @@ fn what_is_linear_in_ambient_light_and_emission_is_dragged_by_images() {
         (TERMS[9], "q", Method::Images),
         ("emission = <10 - q*10, q, 2>*N;", "q", Method::Images),
         ("emission = q*q*N;", "q", Method::General),
+        // Images of large numbers are added, but not where they may cancel.
+        ("emission = <1000, 2000*q, 0>;", "q", Method::Images),
+        ("emission = <1000 - 999*q, 0, 0>;", "q", Method::Images),
         // Infinite at a body: its tiles are drawn in full.
         ("emission = <q>/getx(N);", "q", Method::Images),
     ] {

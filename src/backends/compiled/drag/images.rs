@@ -32,8 +32,13 @@ pub(super) fn factor_of(key: Key, factors: &Factors) -> Factor {
     Factor(term.map(|component| (weight * f64::from(component)) as f32))
 }
 
-/// The largest sum of magnitudes. With more, numbers that cancel would leave visible rounding errors.
+/// The largest sum of magnitudes of numbers that may cancel. With more, visible rounding errors would be left.
 pub(super) const LARGEST_SUM: f32 = 256.0;
+
+/// Whether no number is below 0 or NaN.
+fn is_positive(numbers: &[f32]) -> bool {
+    numbers.iter().all(|number| *number >= 0.0)
+}
 
 /// An image before all images of the tile are made: the cells that are not all 0.
 pub(super) struct Image {
@@ -41,13 +46,15 @@ pub(super) struct Image {
     cells: Vec<u16>,
     numbers: Vec<f32>,
     largest: f32,
+    /// Whether no number is below 0.
+    is_positive: bool,
 }
 
 impl Image {
     /// The image that is in the planes of a tile.
     pub(super) fn new(key: Key, planes: &Planes, touched: &CellSet, channels: Channels) -> Self {
         let stride = cells::stride(channels);
-        let mut image = Self { key, cells: Vec::new(), numbers: Vec::new(), largest: 0.0 };
+        let mut image = Self { key, cells: Vec::new(), numbers: Vec::new(), largest: 0.0, is_positive: true };
         for cell in touched.cells() {
             let before = image.numbers.len();
             cells::copy(planes, usize::from(cell), channels, &mut image.numbers);
@@ -59,13 +66,15 @@ impl Image {
             image.largest = image.largest.max(largest);
             image.cells.push(cell);
         }
+        image.is_positive = is_positive(&image.numbers);
         image
     }
 
     /// The same with the numbers of other passes added.
     pub(super) fn plus(self, other: Image, channels: Channels) -> Self {
         let stride = cells::stride(channels);
-        let mut sum = Self { key: self.key, cells: Vec::new(), numbers: Vec::new(), largest: 0.0 };
+        let is_positive = self.is_positive && other.is_positive;
+        let mut sum = Self { key: self.key, cells: Vec::new(), numbers: Vec::new(), largest: 0.0, is_positive };
         let mut parts = [&self, &other].map(|image| image.cells.iter().zip(image.numbers.chunks_exact(stride)).peekable());
         loop {
             let next = |part: &mut std::iter::Peekable<_>| part.peek().map(|(cell, _): &(&u16, &[f32])| **cell);
@@ -111,6 +120,9 @@ pub(super) struct TileImages {
     /// The largest magnitude in the base and in each image.
     base_largest: f32,
     largest: Vec<f32>,
+    /// Whether no number in the base and in each image is below 0.
+    base_is_positive: bool,
+    is_positive: Vec<bool>,
     runs: Vec<Run>,
     cells: Vec<u16>,
     numbers: Vec<f32>,
@@ -135,6 +147,8 @@ impl TileImages {
         let mut made = Self {
             keys: images.iter().map(|image| image.key).collect(),
             base_largest: 0.0,
+            base_is_positive: true,
+            is_positive: images.iter().map(|image| image.is_positive).collect(),
             largest: images.iter().map(|image| scale * image.largest).collect(),
             runs: Vec::new(),
             cells: all,
@@ -146,6 +160,7 @@ impl TileImages {
             let before = made.numbers.len();
             cells::copy(base, usize::from(*cell), channels, &mut made.numbers);
             made.base_largest = made.base_largest.max(cells::largest(&made.numbers[before..]));
+            made.base_is_positive &= is_positive(&made.numbers[before..]);
             let mut here = Vec::new();
             for (index, (image, taken)) in images.iter().zip(&mut taken).enumerate() {
                 if image.cells.get(*taken) == Some(cell) {
@@ -177,13 +192,16 @@ impl TileImages {
         cells::pixel_count(&self.cells, tile_pixels)
     }
 
-    /// Whether a sum with these factors is accurate enough for a picture: no term is too large, infinite or NaN.
+    /// Whether a sum with these factors is accurate enough for a picture: no term is infinite or NaN, and either the
+    /// terms are small, or none is below 0, so that nothing cancels.
     pub(super) fn is_accurate(&self, factor: &impl Fn(Key) -> Factor) -> bool {
-        let size = |(key, largest): (&Key, &f32)| {
+        let (mut size, mut is_positive) = (self.base_largest, self.base_is_positive);
+        for (index, key) in self.keys.iter().enumerate() {
             let Factor(factor) = factor(*key);
-            largest * cells::largest(&factor)
-        };
-        self.base_largest + self.keys.iter().zip(&self.largest).map(size).sum::<f32>() <= LARGEST_SUM
+            size += self.largest[index] * cells::largest(&factor);
+            is_positive &= self.is_positive[index] && self::is_positive(&factor);
+        }
+        size <= LARGEST_SUM || is_positive && size.is_finite()
     }
 
     /// Sets the pixels of all cells of a tile to linear colours.

@@ -2,7 +2,7 @@
 
 use crate::backends::compiled::drag::cells::{self, CellSet};
 use crate::backends::compiled::drag::estimate::FrameEstimate;
-use crate::backends::compiled::drag::images::{Image, TileImages, factor_of};
+use crate::backends::compiled::drag::images::{Image, LARGEST_SUM, TileImages, factor_of};
 use crate::backends::compiled::drag::summations::{DragKernels, DragPasses, Summations};
 use crate::backends::compiled::drag::tile_state::{LivePart, LiveTile, TileDrag, TileState, TileWork};
 use crate::backends::compiled::drag::work::Work;
@@ -47,17 +47,8 @@ impl Preparation<'_> {
                     may_give_up = true;
                 }
             },
-            Work::Base => {
-                let passes = compiled.passes.len();
-                let is_unbounded = self.summations.make_base(&self.drag, index, scratch);
-                tile.state = match plan.method {
-                    _ if is_unbounded => TileState::Whole(None),
-                    Method::Images => self.images(work, passes, false, index, scratch),
-                    Method::Specialised => self.live(work, passes, index, scratch),
-                    Method::General => TileState::Whole(None),
-                };
-            }
-            Work::BaseOfPicture(passes) => {
+            // In a picture of large numbers, the base would have the rounding errors of the images.
+            Work::BaseOfPicture(passes) if passes < compiled.passes.len() || !self.is_large(index) => {
                 tile.state = match plan.method {
                     Method::Images => {
                         self.set_base(work, passes, index, scratch);
@@ -67,11 +58,28 @@ impl Preparation<'_> {
                     Method::General => TileState::Whole(None),
                 };
             }
+            Work::Base | Work::BaseOfPicture(_) => {
+                let passes = compiled.passes.len();
+                let is_unbounded = self.summations.make_base(&self.drag, index, scratch);
+                tile.state = match plan.method {
+                    _ if is_unbounded => TileState::Whole(None),
+                    Method::Images => self.images(work, passes, false, index, scratch),
+                    Method::Specialised => self.live(work, passes, index, scratch),
+                    Method::General => TileState::Whole(None),
+                };
+            }
         }
         // Where images of few passes do not help, those of more passes do not either.
         if work.left().is_empty() || may_give_up && matches!(tile.state, TileState::Whole(_)) {
             tile.work = None;
         }
+    }
+
+    /// Whether the picture that the drag begins with has large numbers in a tile.
+    fn is_large(&self, index: usize) -> bool {
+        let pixels = &self.drag.compiled.first_tiles()[index].pixels;
+        let colours = self.picture.and_then(|picture| picture.linear.get(pixels.start as usize..pixels.end as usize));
+        self.drag.plan.method == Method::Images && cells::largest(colours.unwrap_or_default().as_flattened()) > LARGEST_SUM
     }
 
     /// Sets the planes to the picture that the drag begins with, without the images of this many passes.
