@@ -2,7 +2,7 @@
 
 use crate::cli::engine;
 use crate::cli::input::load;
-use crate::cli::options::{InputOptions, PassOptions};
+use crate::cli::options::{InputOptions, PassOptions, whole};
 use crate::cli::progress::Progress;
 use crate::cli::report::{Failure, print, print_json};
 use clap::Args;
@@ -34,13 +34,13 @@ pub(super) struct Options {
     #[command(flatten)]
     input: InputOptions,
     /// How often each stage is measured; medians are shown
-    #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 15, value_parser = whole(1_u32..=1000), allow_negative_numbers = true)]
     runs: u32,
     /// A slider to be dragged, floor.kd, or floor.Cd.r for one component; may be repeated [default: all]
     #[arg(long, value_name = "OWNER.PARAM")]
     slider: Vec<String>,
     /// Also measure pictures of N passes, which are all kept, 2 to 4096
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=4096))]
+    #[arg(long, value_name = "N", value_parser = whole(2_u32..=4096), allow_negative_numbers = true)]
     samples: Option<u32>,
     /// Print JSON instead of a table
     #[arg(long)]
@@ -362,7 +362,8 @@ fn median(runs: u32, mut once: impl FnMut(u32) -> Result<Duration, Failure>) -> 
 }
 
 /// The medians of what `once` returns for each of several things, in milliseconds. They are measured in turns, so that
-/// their ratio does not depend on what else the machine does.
+/// their ratio does not depend on what else the machine does. Each measurement follows one that does not count, so that
+/// the caches hold what they hold while a slider is moved.
 fn medians<const THINGS: usize>(
     runs: u32,
     mut once: impl FnMut(usize, u32) -> Result<Duration, Failure>,
@@ -371,6 +372,9 @@ fn medians<const THINGS: usize>(
     let mut times = [const { Vec::new() }; THINGS];
     for run in 0..runs {
         for (thing, times) in times.iter_mut().enumerate() {
+            if THINGS > 1 {
+                once(thing, run + 1)?;
+            }
             times.push(once(thing, run)?);
         }
         if start.elapsed() > PATIENCE {
@@ -400,7 +404,8 @@ fn table(report: &Report, runs: u32) -> String {
     let Report { size: [width, height], depth, threads, hits, records, paths, groups, .. } = report;
     let mut text = format!(
         "{width}x{height} pixels, depth {depth}, {hits} hits, {records} lit records, {paths} paths, {groups} groups\n\
-         {threads} threads, medians of {runs} runs\n\n"
+         {threads} threads, medians of {runs} {}\n\n",
+        if runs == 1 { "run" } else { "runs" }
     );
     let mut line = |cells: [String; 4]| {
         let [name, one, two, three] = cells;
