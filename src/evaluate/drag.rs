@@ -43,8 +43,8 @@ pub trait Drag: Send {
     /// Whether the last frame is that of all passes, without evaluating only some of them anywhere.
     fn is_of_all_passes(&self) -> bool;
 
-    /// Does a part of the preparation, about as much work as one full evaluation of a pass. Returns whether everything is
-    /// prepared.
+    /// Does a part of the preparation, about as much work as one full evaluation of a pass. Returns whether everything
+    /// is prepared.
     fn prepare(&mut self) -> bool;
 
     /// Whether everything is prepared.

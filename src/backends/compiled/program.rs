@@ -230,8 +230,8 @@ impl ProgramBuilder<'_, '_> {
             let (chunk, behind) = rest.split_at(count);
             rest = behind;
             let weights = number;
-            // Consecutive spans whose weight is not 0 are computed together. The others are skipped. Those whose hits have
-            // weights of their own are added by other code.
+            // Consecutive spans whose weight is not 0 are computed together. The others are skipped. Those whose hits
+            // have weights of their own are added by other code.
             let kind = |span: &Span| [WeightClass::Zero, WeightClass::OfHits].map(|kind| class(span) == kind);
             for run in chunk.chunk_by(|a, b| kind(a) == kind(b)) {
                 let spans = number..number + run.len();

@@ -26,7 +26,8 @@ impl Emit for EnvironmentEmitter {
     #[inline]
     fn sample(&self, hit: &SurfaceHit, draw: &Draw) -> LightSample {
         let drawn = self.environment.as_ref().and_then(|environment| environment.sample(draw.point()));
-        // Of a black environment no direction is drawn. Formulas that are evaluated all the same get that of the normal.
+        // Of a black environment no direction is drawn. Formulas that are evaluated all the same get that of the
+        // normal.
         let (direction, radiance, weight) = drawn.map_or((hit.shading_normal, [0.0; 3], 0.0), |drawn| {
             (drawn.direction, drawn.radiance, (PI * drawn.density).recip() as f32)
         });
