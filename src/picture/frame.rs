@@ -1,5 +1,7 @@
 //! A linear picture: red, green and blue of every pixel, not clamped.
 
+use std::ops::Range;
+
 /// A picture of `width` × `height` pixels, row by row from the top left.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
@@ -28,6 +30,11 @@ impl Frame {
             }
         }
         pixels
+    }
+
+    /// The colours of some pixels, counted row by row from the top left. None if the picture has not all of them.
+    pub fn part(&self, pixels: &Range<u32>) -> &[[f32; 3]] {
+        self.linear.get(pixels.start as usize..pixels.end as usize).unwrap_or_default()
     }
 
     /// Adds another picture of the same size. Pixels that only one of the pictures has are left as they are.

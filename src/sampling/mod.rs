@@ -46,7 +46,8 @@ impl Route {
 /// A sample of one light at one hit.
 #[derive(Debug, Clone, Copy)]
 pub struct Draw {
-    index: u32,
+    pass: u32,
+    pixel: u32,
     seed: u32,
 }
 
@@ -54,15 +55,15 @@ impl SampleKey {
     /// The sample of the light with this index.
     #[inline]
     pub fn draw(&self, light: u32) -> Draw {
-        let index = second_pair(order(self.pass, self.pixel));
-        Draw { index, seed: mixed(mixed(self.pixel, self.route.0), light + 1) }
+        Draw { pass: self.pass, pixel: self.pixel, seed: mixed(mixed(self.pixel, self.route.0), light + 1) }
     }
 }
 
 impl Draw {
     /// Its point in the unit square, each number greater than 0 and less than 1.
     pub fn point(&self) -> [f64; 2] {
-        scrambled(self.index, self.seed)
+        // Most lights ask for no point, so it is computed only here.
+        scrambled(second_pair(order(self.pass, self.pixel)), self.seed)
     }
 }
 

@@ -28,6 +28,7 @@ use crate::trace::{
 };
 use rayon::prelude::*;
 use std::cell::Cell;
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// The largest weight of a path that is bounded. Larger ones, infinity and NaN are not.
@@ -221,10 +222,9 @@ impl SurfaceTile {
                 made.lines = nodes.lines.end;
             }
         }
-        let goes_on = |body: BodyId| {
-            tile.paths.iter().any(|path| path.parent.is_some_and(|parent| tile.paths[parent.index()].body == Some(body)))
-        };
-        made.bodies.iter_mut().for_each(|nodes| nodes.go_on = goes_on(nodes.body));
+        let parents = tile.paths.iter().filter_map(|path| path.parent);
+        let going_on: BTreeSet<BodyId> = parents.filter_map(|parent| tile.paths[parent.index()].body).collect();
+        made.bodies.iter_mut().for_each(|nodes| nodes.go_on = going_on.contains(&nodes.body));
         made.parents = vec![NONE; made.pixels.len()];
         for (path, own) in tile.paths.iter().zip(&made.paths) {
             let Some(parent) = path.parent else { continue };

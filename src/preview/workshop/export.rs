@@ -34,18 +34,16 @@ impl PictureExport {
     /// The suffix names no format, or the file cannot be written. The error is for the user. An existing file is then
     /// unchanged.
     pub fn save(&self, path: &Path) -> Result<usize, String> {
-        match &self.content {
-            ExportContent::Shown { frame, undefined } => {
-                save(path, frame, self.transform)?;
-                Ok(*undefined)
-            }
+        let (frame, undefined) = match &self.content {
+            ExportContent::Shown { frame, undefined } => (Arc::clone(frame), *undefined),
             ExportContent::Other { subject, engine, numbers } => {
                 let frame = engine.picture(subject, numbers, self.passes, &Task::UNWATCHED);
                 let mut frame = frame.map_err(|error| error.to_string())?;
                 let undefined = frame.clean();
-                save(path, &frame, self.transform)?;
-                Ok(undefined)
+                (Arc::new(frame), undefined)
             }
-        }
+        };
+        save(path, &frame, self.transform)?;
+        Ok(undefined)
     }
 }

@@ -111,6 +111,32 @@ fn drags_of_passes_with_weights_of_rays_give_their_mean() {
     }
 }
 
+#[test]
+fn pictures_of_large_numbers_are_dragged_by_images_without_visible_errors() {
+    let backends = [compiled().pop().expect("a width")];
+    let text = "body_specific; q: scalar, constraint 0..1; formula; emission = <3e7*q*(N.V), 300*q, 0.1>; = IL*Cd*max(0, N.L);";
+    let numbers = [0.7, 0.3, 0.9, 0.6];
+    let mut case = Case::in_pass(text.to_owned(), &numbers, &backends, SCENE, 0).expect("a formula");
+    with_passes(&mut case, &backends, 3);
+    let evaluator = &case.evaluators[0];
+    let q = case.formula.parameter(case.formula.parameter_named("q").expect("a parameter"));
+    for body in 0..case.layout.owners(q.owner) {
+        let index = case.layout.index(q, body);
+        let beginning = DragBeginning { picture: Arc::new(evaluator.frame(&case.memory)), passes: 1 };
+        let mut drag = Arc::clone(evaluator).drag(&[index], &case.memory, usize::MAX, Some(&beginning)).expect("kernels");
+        while !drag.prepare() {}
+        let mut drawn = Framebuffer::black(SIZE.0, SIZE.1, VIEWS[1]);
+        drag.frame(&case.memory, &mut drawn);
+        for value in [0.0, 1e-7, 0.5] {
+            let mut memory = case.memory.clone();
+            memory[index] = value;
+            drag.frame(&memory, &mut drawn);
+            assert_eq!(wrong(&drawn, &evaluator.frame(&memory)), 0, "{value} on body {body}");
+            assert!(drag.is_of_all_passes() && drag.method() == Method::Images, "{value} on body {body}");
+        }
+    }
+}
+
 static METHODS: [AtomicUsize; 3] = [const { AtomicUsize::new(0) }; 3];
 
 /// Drags numbers through values, from scratch and from the picture of all passes.

@@ -129,6 +129,7 @@ impl CompiledDrag {
             drag: DragPasses { compiled, plan, parameters: &self.parameters },
             reach: self.kernels.reach(compiled),
             from_picture: self.picture.as_ref().map(|_| self.passes),
+            picture: self.picture.as_deref(),
         };
         let of_tile = |tile: usize| match list.of_tile(tile) {
             _ if plan.method == Method::General => TileDrag::whole(),
@@ -347,7 +348,7 @@ impl<'w> WholeFrame<'w> {
             let rest = rest.get_or_insert_with(|| {
                 self.mean(&self.before, tile, scratch);
                 let pixels = &self.compiled.first_tiles()[tile].pixels;
-                let colours = &picture.linear[pixels.start as usize..pixels.end as usize];
+                let colours = picture.part(pixels);
                 let rest = |(pixel, colour): (usize, &[f32; 3])| rest_of(*colour, scratch.planes.colour(pixel));
                 colours.iter().enumerate().map(rest).collect()
             });

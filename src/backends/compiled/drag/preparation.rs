@@ -2,7 +2,7 @@
 
 use crate::backends::compiled::drag::cells::{self, CellSet};
 use crate::backends::compiled::drag::estimate::FrameEstimate;
-use crate::backends::compiled::drag::images::{Image, LARGEST_SUM, TileImages, factor_of};
+use crate::backends::compiled::drag::images::{Image, TileImages, factor_of};
 use crate::backends::compiled::drag::summations::{DragKernels, DragPasses, Summations};
 use crate::backends::compiled::drag::tile_state::{LivePart, LiveTile, TileDrag, TileState, TileWork};
 use crate::backends::compiled::drag::work::Work;
@@ -47,18 +47,7 @@ impl Preparation<'_> {
                     may_give_up = true;
                 }
             },
-            // In a picture of large numbers, the base would have the rounding errors of the images.
-            Work::BaseOfPicture(passes) if passes < compiled.passes.len() || !self.is_large(index) => {
-                tile.state = match plan.method {
-                    Method::Images => {
-                        self.set_base(work, passes, index, scratch);
-                        self.images(work, passes, true, index, scratch)
-                    }
-                    Method::Specialised => self.live_of_picture(work, passes, index, scratch),
-                    Method::General => TileState::Whole(None),
-                };
-            }
-            Work::Base | Work::BaseOfPicture(_) => {
+            Work::Base => {
                 let passes = compiled.passes.len();
                 let is_unbounded = self.summations.make_base(&self.drag, index, scratch);
                 tile.state = match plan.method {
@@ -68,18 +57,21 @@ impl Preparation<'_> {
                     Method::General => TileState::Whole(None),
                 };
             }
+            Work::BaseOfPicture(passes) => {
+                tile.state = match plan.method {
+                    Method::Images => {
+                        self.set_base(work, passes, index, scratch);
+                        self.images(work, passes, true, index, scratch)
+                    }
+                    Method::Specialised => self.live_of_picture(work, passes, index, scratch),
+                    Method::General => TileState::Whole(None),
+                };
+            }
         }
         // Where images of few passes do not help, those of more passes do not either.
         if work.left().is_empty() || may_give_up && matches!(tile.state, TileState::Whole(_)) {
             tile.work = None;
         }
-    }
-
-    /// Whether the picture that the drag begins with has large numbers in a tile.
-    fn is_large(&self, index: usize) -> bool {
-        let pixels = &self.drag.compiled.first_tiles()[index].pixels;
-        let colours = self.picture.and_then(|picture| picture.linear.get(pixels.start as usize..pixels.end as usize));
-        self.drag.plan.method == Method::Images && cells::largest(colours.unwrap_or_default().as_flattened()) > LARGEST_SUM
     }
 
     /// Sets the planes to the picture that the drag begins with, without the images of this many passes.
@@ -96,10 +88,10 @@ impl Preparation<'_> {
     /// Sets the planes to the picture that the drag begins with.
     fn set_picture(&self, index: usize, scratch: &mut TileScratch) {
         let pixels = &self.drag.compiled.first_tiles()[index].pixels;
-        let colours = self.picture.and_then(|picture| picture.linear.get(pixels.start as usize..pixels.end as usize));
+        let colours = self.picture.map_or(&[][..], |picture| picture.part(pixels));
         for component in 0..3 {
             let plane = scratch.planes.part_mut(component, 0..pixels.len());
-            plane.iter_mut().zip(colours.unwrap_or_default()).for_each(|(number, colour)| *number = colour[component]);
+            plane.iter_mut().zip(colours).for_each(|(number, colour)| *number = colour[component]);
         }
     }
 

@@ -1,11 +1,13 @@
 //! The preparation of each tile for a drag, in work items of known cost.
 
 use crate::backends::compiled::Compiled;
-use crate::backends::compiled::drag::images::Key;
+use crate::backends::compiled::drag::cells::largest;
+use crate::backends::compiled::drag::images::{Key, LARGEST_SUM};
 use crate::backends::compiled::drag::reach::Reach;
 use crate::backends::compiled::drag::summations::DragPasses;
 use crate::backends::compiled::place::TilePlace;
 use crate::evaluate::weights::{PathMonomials, Powers, Weight};
+use crate::picture::Frame;
 use crate::plan::Method;
 use crate::trace::{Group, Span, Tile};
 use std::collections::{BTreeMap, BTreeSet};
@@ -51,6 +53,8 @@ pub(super) struct WorkList<'w> {
     pub(super) reach: Reach<'w>,
     /// How many passes a frame with a live part evaluates, if the drag begins with a picture.
     pub(super) from_picture: Option<usize>,
+    /// The picture that it begins with.
+    pub(super) picture: Option<&'w Frame>,
 }
 
 impl WorkList<'_> {
@@ -96,7 +100,11 @@ impl WorkList<'_> {
             items.extend(images);
             if self.from_picture.is_some() && !keys.is_empty() {
                 let cost = pixels_cost(&self.drag.compiled.first_tiles()[tile]) * keys.len() as u64;
-                items.push(WorkItem { work: Work::BaseOfPicture(passes.end), stage, cost });
+                items.push(match passes.end == all && self.is_large(tile) {
+                    // The base of such a picture would have the rounding errors of its large numbers.
+                    true => WorkItem { stage, ..self.base(tile) },
+                    false => WorkItem { work: Work::BaseOfPicture(passes.end), stage, cost },
+                });
             }
         }
         if self.from_picture.is_none() && !items.is_empty() {
@@ -123,6 +131,12 @@ impl WorkList<'_> {
         };
         let columns = self.drag.plan.slider.columns.as_ref().map(|_| WorkItem { work: Work::Columns(passes), stage: 0, cost });
         columns.into_iter().chain([base]).collect()
+    }
+
+    /// Whether the picture that the drag begins with has large numbers in a tile.
+    fn is_large(&self, tile: usize) -> bool {
+        let pixels = &self.drag.compiled.first_tiles()[tile].pixels;
+        self.picture.is_some_and(|picture| largest(picture.part(pixels).as_flattened()) > LARGEST_SUM)
     }
 
     fn base(&self, tile: usize) -> WorkItem {
