@@ -45,13 +45,16 @@ impl Splat {
 #[repr(C, align(64))]
 pub struct PixelLine(pub [u32; Line::RECORDS]);
 
+/// The lines of a component of [`Sums`]: those of a chunk, and one more, because a vector may begin at the last hit.
+pub const SUM_LINES: usize = CHUNK_LINES + 1;
+
 /// The contributions of a chunk of hits, summed over lights: red, green and blue of each line.
-pub type Sums = [[Line; CHUNK_LINES]; 3];
+pub type Sums = [[Line; SUM_LINES]; 3];
 
-/// The pixels of a plane: a [margin](Segment::MARGIN), those of a tile, and room for two lines.
-pub const PLANE_PIXELS: usize = Segment::MARGIN + TILE_PIXELS as usize + 2 * LINE_HITS;
+/// The pixels of a plane: those of a tile, and room for two lines.
+pub const PLANE_PIXELS: usize = TILE_PIXELS as usize + 2 * LINE_HITS;
 
-/// Red, green and blue of the pixels of a tile. Each plane begins with a margin.
+/// Red, green and blue of the pixels of a tile.
 #[derive(Debug, Clone, bytemuck::Zeroable)]
 #[repr(C, align(64))]
 pub struct PixelPlanes(pub [[f32; PLANE_PIXELS]; 3]);

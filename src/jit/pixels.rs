@@ -10,5 +10,5 @@ mod adding;
 mod assembler;
 mod writing;
 
-pub(super) use adding::{Strides, adding_code};
+pub(super) use adding::{Gaps, Strides, adding_code};
 pub(super) use writing::{Writing, writing_code};

@@ -284,6 +284,9 @@ fn hit_lists(hits: Vec<((PathId, u32), Vec<u16>)>, sets: &[Vec<EmitterId>], path
     (lists, copies)
 }
 
+/// Segments have gaps if their number then is at most this fraction of that of segments without.
+const GAIN_OF_GAPS: (usize, usize) = (3, 4);
+
 /// The pixels of hits, or of misses, one after the other.
 #[derive(Default)]
 struct Pixels {
@@ -309,14 +312,31 @@ impl Pixels {
     /// in its chunk.
     fn span(&mut self, path: PathId, pixels: &[u16], in_chunk: usize) -> Span {
         let (start, first) = (self.segments.len(), self.hits);
-        for pixel in pixels {
-            let extended = self.segments[start..].last_mut().is_some_and(|segment| segment.extend(*pixel));
-            if !extended {
-                self.segments.push(Segment::new(*pixel, self.hits - self.group, in_chunk));
+        self.segments(pixels, in_chunk, Segment::extend_run);
+        let runs = self.segments.len() - start;
+        if runs > 1 {
+            // Segments with gaps are added by code that costs more for each.
+            let with_gaps = self.segments.len();
+            self.segments(pixels, in_chunk, Segment::extend);
+            if (self.segments.len() - with_gaps) * GAIN_OF_GAPS.1 <= runs * GAIN_OF_GAPS.0 {
+                self.segments.drain(start..with_gaps);
+            } else {
+                self.segments.truncate(with_gaps);
             }
-            // A tile has at most 2¹⁴ pixels with 2⁹ hits and as many misses each.
-            self.hits += 1;
         }
+        // A tile has at most 2¹⁴ pixels with 2⁹ hits and as many misses each.
+        self.hits += pixels.len() as u32;
         Span { path, hits: first..self.hits, segments: start as u32..self.segments.len() as u32 }
+    }
+
+    /// Adds segments of these pixels. `extend` adds the next pixel to a segment if it can.
+    fn segments(&mut self, pixels: &[u16], in_chunk: usize, extend: fn(&mut Segment, u16) -> bool) {
+        let start = self.segments.len();
+        for (hit, pixel) in (self.hits - self.group..).zip(pixels) {
+            let extended = self.segments[start..].last_mut().is_some_and(|segment| extend(segment, *pixel));
+            if !extended {
+                self.segments.push(Segment::new(*pixel, hit, in_chunk));
+            }
+        }
     }
 }

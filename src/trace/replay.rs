@@ -36,21 +36,13 @@ pub fn replay(
     for span in spans[first..].iter().take_while(|span| span.hits.start < hits.end) {
         let steps = tile.steps(span.path);
         let route = steps.iter().fold(Route::PRIMARY, |route, (_, edge, _)| edge.after(route));
-        let mut begin = span.hits.start;
-        for segment in tile.segments_of(span) {
-            let pixels = segment.pixels();
-            let end = begin + pixels.len() as u32;
-            for hit in begin.max(hits.start)..end.min(hits.end) {
-                let pixel = tile.pixels.start + pixels.start as u32 + (hit - begin);
-                let in_tile = (pixels.start + (hit - begin) as usize) as u16;
-                let primitive = tile.primitives.get(span.path.index(), in_tile);
-                let surface = last_ray(tracer, tile, pixel, &steps).and_then(|ray| tracer.hit_on(&ray, group.body, primitive));
-                visit(hit, &tracer.view().sample_key(pixel, route), &surface.ok_or(Mismatch)?);
-            }
-            if end >= hits.end {
-                break;
-            }
-            begin = end;
+        let (skipped, end) = (hits.start.saturating_sub(span.hits.start), hits.end.min(span.hits.end));
+        for (hit, in_tile) in (span.hits.start..end).zip(tile.pixels_of(span)).skip(skipped as usize) {
+            // Pixels of a tile fit sixteen bits.
+            let (pixel, in_tile) = (tile.pixels.start + in_tile as u32, in_tile as u16);
+            let primitive = tile.primitives.get(span.path.index(), in_tile);
+            let surface = last_ray(tracer, tile, pixel, &steps).and_then(|ray| tracer.hit_on(&ray, group.body, primitive));
+            visit(hit, &tracer.view().sample_key(pixel, route), &surface.ok_or(Mismatch)?);
         }
     }
     Ok(())

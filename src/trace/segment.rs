@@ -1,7 +1,6 @@
 //! Tiles, lines, chunks and segments: the layout of hits, which the hit store and compiled code share.
 
 use std::mem::offset_of;
-use std::ops::Range;
 
 /// The most consecutive pixels that make a tile, see [`tile_pixels`].
 pub const TILE_PIXELS: u32 = 16_384;
@@ -26,39 +25,32 @@ pub const LINE_HITS: usize = 16;
 /// How many lines compiled code computes side by side.
 pub const ROUND_LINES: usize = 4;
 
-/// How many lines are worked on at a time, see [`Segment::line`].
+/// How many lines are worked on at a time, see [`Segment::first_hit`].
 pub const CHUNK_LINES: usize = 64;
 
 /// How many hits a chunk has.
 pub const CHUNK_HITS: usize = CHUNK_LINES * LINE_HITS;
 
-/// Up to sixteen hits, or misses, that are neighbours in one line and in the picture.
+/// Up to sixteen hits, or misses, that follow each other in a span, and whose pixels are within sixteen neighbours.
 ///
-/// A segment gives the pixel of the line's first lane, as if all lanes were neighbours, and a mask of its own lanes. So
-/// compiled code adds a vector of contributions to a vector of pixels at once. It relies on what the methods promise.
+/// A segment gives its first pixel, and a mask of the pixels from there on that have a hit. So compiled code adds a
+/// vector of contributions to a vector of pixels at once. It relies on what the methods promise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(C)]
 pub struct Segment {
-    plane_index: u16,
+    pixel: u16,
     lanes: u16,
-    /// The line and, in the upper bits, the span.
-    line_and_span: u16,
+    hit: u16,
+    span: u16,
 }
 
-// Plane indices are within sixteen bits, and so are a line with a span: a chunk has no more spans than hits.
-const _: () = assert!(TILE_PIXELS as usize + Segment::MARGIN <= u16::MAX as usize && LINE_HITS == u16::BITS as usize);
-const _: () = assert!(CHUNK_LINES == 1 << Segment::LINE_BITS && CHUNK_LINES * CHUNK_HITS <= 1 << u16::BITS);
+// All numbers fit sixteen bits: a chunk has no more spans than hits.
+const _: () = assert!(TILE_PIXELS <= 1 << u16::BITS && LINE_HITS == u16::BITS as usize && CHUNK_HITS <= 1 << u16::BITS);
 
 impl Segment {
-    /// What [`plane_index`](Self::plane_index) adds to the number of a pixel, so that it is never negative.
-    pub const MARGIN: usize = LINE_HITS;
-
-    /// The offsets of plane index, lanes, and line with span, in bytes. Each has sixteen bits.
-    pub(crate) const OFFSETS: [usize; 3] =
-        [offset_of!(Self, plane_index), offset_of!(Self, lanes), offset_of!(Self, line_and_span)];
-
-    /// How many low bits are the line. The bits above them are the span.
-    pub(crate) const LINE_BITS: u32 = CHUNK_LINES.trailing_zeros();
+    /// The offsets of pixel, lanes, hit and span, in bytes. Each has sixteen bits.
+    pub(crate) const OFFSETS: [usize; 4] =
+        [offset_of!(Self, pixel), offset_of!(Self, lanes), offset_of!(Self, hit), offset_of!(Self, span)];
 
     /// A segment of one hit: its pixel in the tile, its number in the group, and the number of its span in the chunk.
     ///
@@ -66,48 +58,51 @@ impl Segment {
     /// A tile has no such pixel, or a chunk has no such span.
     pub(crate) fn new(pixel: u16, hit: u32, span: usize) -> Self {
         assert!(u32::from(pixel) < TILE_PIXELS && span < CHUNK_HITS, "a pixel of a tile, and a span of a chunk");
-        let lane = hit % LINE_HITS as u32;
-        let line = hit / LINE_HITS as u32 % CHUNK_LINES as u32;
-        let line_and_span = line as u16 | (span << Self::LINE_BITS) as u16;
-        Self { plane_index: pixel + Self::MARGIN as u16 - lane as u16, lanes: 1 << lane, line_and_span }
+        Self { pixel, lanes: 1, hit: (hit % CHUNK_HITS as u32) as u16, span: span as u16 }
     }
 
-    /// Adds the next hit, if it is in the same line and its pixel is the next. Whether it was added.
+    /// Adds the next hit of the chunk, if its pixel is after those of the segment and near enough. Whether it was added.
     pub(crate) fn extend(&mut self, pixel: u16) -> bool {
-        let lane = u16::BITS - self.lanes.leading_zeros();
-        // The pixel of a lane is the plane index plus the lane, less the margin.
-        let next = usize::from(self.plane_index) + lane as usize;
-        let fits = lane < LINE_HITS as u32 && usize::from(pixel) + Self::MARGIN == next;
-        if fits {
-            self.lanes |= 1 << lane;
-        }
-        fits
+        let fits = usize::from(self.hit) + self.hits() < CHUNK_HITS;
+        let lane = pixel.checked_sub(self.pixel).filter(|lane| fits && self.lanes.checked_shr((*lane).into()) == Some(0));
+        self.lanes |= lane.map_or(0, |lane| 1 << lane);
+        lane.is_some()
     }
 
-    /// The index of the line's first lane in a plane: the pixel that its hit would be in, counted from the tile's
-    /// first, plus [`MARGIN`](Self::MARGIN). It is less than [`TILE_PIXELS`] and the margin.
+    /// Adds the next hit of the chunk, if its pixel is the one after the last of the segment, and the segment has no
+    /// gaps. Whether it was added.
+    pub(crate) fn extend_run(&mut self, pixel: u16) -> bool {
+        self.is_run() && usize::from(pixel) == usize::from(self.pixel) + self.hits() && self.extend(pixel)
+    }
+
+    /// The first pixel, counted from the tile's first. It is less than [`TILE_PIXELS`].
     #[inline]
-    pub fn plane_index(self) -> usize {
-        usize::from(self.plane_index)
+    pub fn first_pixel(self) -> usize {
+        self.pixel.into()
     }
 
-    /// A mask of the lanes of the line; the lowest bit is the first lane. At least one bit is set, and the bits that
-    /// are set are neighbours.
+    /// The last pixel, counted from the tile's first.
+    #[inline]
+    pub fn last_pixel(self) -> usize {
+        self.first_pixel() + self.lanes.ilog2() as usize
+    }
+
+    /// A mask of the pixels that have a hit, from the first pixel on. The lowest bit is the first pixel, and is set.
     #[inline]
     pub fn lanes(self) -> u16 {
         self.lanes
     }
 
-    /// The number of the line in its chunk, less than [`CHUNK_LINES`].
+    /// The number of its first hit in the chunk, less than [`CHUNK_HITS`]. The others follow it in the same chunk.
     #[inline]
-    pub fn line(self) -> usize {
-        usize::from(self.line_and_span) % CHUNK_LINES
+    pub fn first_hit(self) -> usize {
+        self.hit.into()
     }
 
     /// The number of the span in its chunk, less than [`CHUNK_HITS`].
     #[inline]
     pub fn span(self) -> usize {
-        usize::from(self.line_and_span >> Self::LINE_BITS)
+        self.span.into()
     }
 
     /// How many hits it has.
@@ -116,10 +111,52 @@ impl Segment {
         self.lanes.count_ones() as usize
     }
 
-    /// Its pixels, counted from the tile's first.
+    /// Whether its pixels are neighbours.
     #[inline]
-    pub fn pixels(self) -> Range<usize> {
-        let first = usize::from(self.plane_index) + self.lanes.trailing_zeros() as usize - Self::MARGIN;
-        first..first + self.hits()
+    pub fn is_run(self) -> bool {
+        self.lanes & self.lanes.wrapping_add(1) == 0
+    }
+
+    /// Its pixels, counted from the tile's first, in the order of its hits.
+    #[inline]
+    pub fn pixels(self) -> impl Iterator<Item = usize> {
+        let mut lanes = self.lanes;
+        let next = move || {
+            let lane = (lanes != 0).then(|| lanes.trailing_zeros() as usize);
+            lanes &= lanes.wrapping_sub(1);
+            lane
+        };
+        std::iter::from_fn(next).map(move |lane| self.first_pixel() + lane)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn segments_take_pixels_that_are_near_enough_and_in_order() {
+        let mut segment = Segment::new(7, 5, 2);
+        assert!(segment.is_run() && segment.extend_run(8) && segment.is_run());
+        assert!(!segment.extend_run(10) && !segment.extend(8) && !segment.extend(3));
+        assert!(segment.extend(10) && !segment.is_run() && !segment.extend_run(11));
+        assert!(segment.extend(22) && !segment.extend(23) && !segment.extend(22));
+        assert_eq!(segment.pixels().collect::<Vec<_>>(), [7, 8, 10, 22]);
+        assert_eq!((segment.first_pixel(), segment.last_pixel(), segment.hits()), (7, 22, 4));
+        assert_eq!((segment.first_hit(), segment.span()), (5, 2));
+    }
+
+    #[test]
+    fn a_segment_ends_with_its_chunk() {
+        let mut segment = Segment::new(0, 2 * CHUNK_HITS as u32 - 2, 0);
+        assert_eq!(segment.first_hit(), CHUNK_HITS - 2);
+        assert!(segment.extend_run(1) && !segment.extend_run(2) && !segment.extend(5));
+    }
+
+    #[test]
+    fn a_full_segment_has_sixteen_neighbours() {
+        let mut segment = Segment::new(100, 0, 0);
+        assert_eq!((101..200).filter(|pixel| segment.extend_run(*pixel)).count(), 15);
+        assert!(segment.is_run() && segment.pixels().eq(100..116));
     }
 }

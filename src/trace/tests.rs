@@ -274,12 +274,9 @@ fn groups_and_spans_are_in_order_and_complete() {
             let group = tile.groups.iter().find(|group| group.hits.contains(&span.hits.start)).unwrap();
             let mut hit = (span.hits.start - group.hits.start) as usize;
             for segment in tile.segments_of(span) {
-                // Its lanes are those of its hits in their line, and neighbours.
-                assert_eq!(
-                    (segment.line(), segment.lanes().trailing_zeros() as usize),
-                    (hit / LINE_HITS % CHUNK_LINES, hit % LINE_HITS)
-                );
-                assert!((hit % LINE_HITS + segment.hits()) <= LINE_HITS);
+                // Its hits follow those before, in one chunk.
+                assert_eq!(segment.first_hit(), hit % CHUNK_HITS);
+                assert!(segment.first_hit() + segment.hits() <= CHUNK_HITS);
                 hit += segment.hits();
             }
             assert!(pixels_of(tile.segments_of(span)).is_sorted_by(|a, b| a < b));

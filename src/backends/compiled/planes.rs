@@ -16,7 +16,7 @@ use pulp::{Simd, WithSimd};
 use std::ops::Range;
 
 /// The pixels of the tile in a plane.
-const PIXELS: Range<usize> = Segment::MARGIN..Segment::MARGIN + TILE_PIXELS as usize;
+const PIXELS: Range<usize> = 0..TILE_PIXELS as usize;
 
 /// Red, green and blue of a tile's pixels: linear, unclamped.
 pub(super) struct Planes {
@@ -100,19 +100,15 @@ impl Planes {
         weights: &HitWeights,
         channels: Channels,
     ) {
-        let mut hit = first;
-        for segment in segments {
-            let lane = segment.lanes().trailing_zeros() as usize;
-            for (offset, pixel) in segment.pixels().enumerate() {
-                let weight = weights.of(hit);
-                hit += 1;
-                if weight == [0.0; 3] {
-                    continue;
-                }
-                for component in channels.components() {
-                    let sum = sums[component][segment.line()].0[lane + offset];
-                    self.planes.0[component][PIXELS.start + pixel] += times(weight[component], sum);
-                }
+        let pixels = segments.iter().flat_map(|segment| segment.pixels());
+        let first_sum = segments.first().map_or(0, |segment| segment.first_hit());
+        for ((pixel, hit), sum) in pixels.zip(first..).zip(first_sum..) {
+            let weight = weights.of(hit);
+            if weight == [0.0; 3] {
+                continue;
+            }
+            for component in channels.components() {
+                self.planes.0[component][PIXELS.start + pixel] += times(weight[component], numbers(sums, component)[sum]);
             }
         }
     }
@@ -125,12 +121,10 @@ impl Planes {
     /// Adds the sums of the hits of a span, times its weight, to their pixels. It is for weights that are subnormal
     /// or 0 in single precision, and where there is no [`PixelCode`](crate::jit::PixelCode).
     pub(super) fn add(&mut self, segments: &[Segment], sums: &Sums, weight: Weight, channels: Channels) {
-        let components = channels.components();
-        for (component, segment) in components.flat_map(|component| segments.iter().map(move |segment| (component, segment))) {
-            let first = segment.lanes().trailing_zeros() as usize;
-            let sums = &sums[component][segment.line()].0;
-            for (pixel, sum) in self.planes.0[component][PIXELS][segment.pixels()].iter_mut().zip(&sums[first..]) {
-                *pixel += weight.times(*sum);
+        for component in channels.components() {
+            let (plane, sums) = (&mut self.planes.0[component][PIXELS], numbers(sums, component));
+            for segment in segments {
+                segment.pixels().zip(&sums[segment.first_hit()..]).for_each(|(pixel, sum)| plane[pixel] += weight.times(*sum));
             }
         }
     }
@@ -155,6 +149,11 @@ impl Planes {
     fn quantise_portably(&self, first: usize, part: Part) {
         self.width.dispatch(Quantise { planes: self.components().map(|plane| &plane[first..]), part });
     }
+}
+
+/// The numbers of a component of sums, hit by hit.
+pub(super) fn numbers(sums: &Sums, component: usize) -> &[f32] {
+    bytemuck::cast_slice(&sums[component])
 }
 
 // Work that is dispatched by width is a structure with a method. The method must be inlined, because only inlined
@@ -273,24 +272,18 @@ impl WithSimd for Quantise<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::jit::lanes::SUM_LINES;
     use crate::jit::{CallList, Operands};
     use crate::picture::encoder::{Bytes, Encoder};
     use crate::picture::{ToneCurve, Transfer, ViewTransform};
-    use crate::trace::{CHUNK_HITS, CHUNK_LINES};
+    use crate::trace::CHUNK_HITS;
 
-    /// Segments of hits that follow each other, in these pixels.
-    fn segments(runs: impl IntoIterator<Item = Range<usize>>) -> Vec<Segment> {
+    /// Segments of hits that follow each other, in these pixels. `extend` adds the next pixel to a segment if it can.
+    fn segments(pixels: impl IntoIterator<Item = usize>, extend: fn(&mut Segment, u16) -> bool) -> Vec<Segment> {
         let mut segments: Vec<Segment> = Vec::new();
-        let mut hit = 0;
-        for run in runs {
-            let mut open = false;
-            for pixel in run {
-                open = open && segments.last_mut().is_some_and(|segment| segment.extend(pixel as u16));
-                if !open {
-                    segments.push(Segment::new(pixel as u16, hit, 1));
-                }
-                open = true;
-                hit += 1;
+        for (hit, pixel) in pixels.into_iter().enumerate() {
+            if !segments.last_mut().is_some_and(|segment| extend(segment, pixel as u16)) {
+                segments.push(Segment::new(pixel as u16, hit as u32, 1));
             }
         }
         segments
@@ -309,7 +302,7 @@ mod tests {
         let all = [&segments[..1], segments, &segments[..1]].concat();
         let mut weights = vec![f32::NAN; 3 + CHUNK_HITS];
         weights[2] = weight;
-        program.add(code, 1..1 + segments.len(), 1, component, 0);
+        program.add(code, &all, 1..1 + segments.len(), 1, component, 0);
         let planes = planes.pixels_mut();
         let mut operands =
             Operands { streams: [&[]; 3], next_lines: &[], uniforms: &[], segments: &all, weights: &weights, sums, planes };
@@ -318,21 +311,34 @@ mod tests {
 
     #[test]
     fn hits_add_to_their_pixels_and_to_no_others() {
-        // At the ends of a tile, with and without gaps, longer and shorter than a line.
+        // At the ends of a tile, longer and shorter than a line. Then pixels with gaps everywhere.
         let last = TILE_PIXELS as usize;
         let runs =
             [0..1, 2..16, 20..53, 57..58, 64..80, 81..84, 85..149, 500..700, 1000..1003, last - 33..last - 20, last - 3..last];
-        let segments = segments(runs.iter().cloned());
-        let hits: usize = runs.iter().map(Range::len).sum();
-        assert_eq!(segments.iter().map(|segment| segment.hits()).sum::<usize>(), hits);
+        let bits = |pixel: &usize| (pixel * pixel * 0x9e37_79b9) >> 20 & 1 == 1;
+        let scattered = (0..1200).filter(bits).chain((last - 40..last).filter(|pixel| pixel % 3 != 0));
+        let (runs, scattered): (Vec<usize>, Vec<usize>) = (runs.into_iter().flatten().collect(), scattered.collect());
+        let lengths = [Segment::extend_run, Segment::extend].map(|extend| segments(scattered.iter().copied(), extend).len());
+        assert!(lengths[0] > 3 * lengths[1], "{lengths:?}");
+        for pixels in [runs, scattered] {
+            for extend in [Segment::extend_run, Segment::extend] {
+                adds(&pixels, &segments(pixels.iter().copied(), extend));
+            }
+        }
+    }
+
+    /// Checks what is added for these segments of hits in these pixels.
+    fn adds(pixels: &[usize], segments: &[Segment]) {
+        let (hits, last) = (pixels.len(), TILE_PIXELS as usize);
+        assert!(segments.iter().flat_map(|segment| segment.pixels()).eq(pixels.iter().copied()) && hits < CHUNK_HITS);
         // Each number tells its hit. Lanes after the last hit hold NaN, which must not be used.
         let number = |component: usize, hit: usize| if hit < hits { (1 + component * 1000 + hit) as f32 } else { f32::NAN };
         let mut sums: Sums = std::array::from_fn(|component| {
             std::array::from_fn(|line| Line(std::array::from_fn(|lane| number(component, 16 * line + lane))))
         });
         let mut expected = vec![[1.0_f32; 3]; last];
-        for (hit, pixel) in runs.iter().cloned().flatten().enumerate() {
-            expected[pixel] = [0, 1, 2].map(|component| 1.0 + 0.5 * number(component, hit));
+        for (hit, pixel) in pixels.iter().enumerate() {
+            expected[*pixel] = [0, 1, 2].map(|component| 1.0 + 0.5 * number(component, hit));
         }
         type Add = fn(&mut Planes, &[Segment], &mut Sums, Channels);
         let compiled: Add = |planes, segments, sums, channels| add_compiled(planes, segments, sums, 0.5, channels);
@@ -342,16 +348,14 @@ mod tests {
         {
             let mut planes = Planes::new(width);
             (0..3).for_each(|component| planes.part_mut(component, 0..last).fill(1.0));
-            add(&mut planes, &segments, &mut sums, channels);
+            add(&mut planes, segments, &mut sums, channels);
             for (pixel, expected) in expected.iter().enumerate() {
                 let added = |component: usize| channels == Channels::All || channels == Channels::One(component);
                 let expected = [0, 1, 2].map(|component| if added(component) { expected[component] } else { 1.0 });
                 assert_eq!(planes.colour(pixel), expected, "pixel {pixel}, {width}");
             }
-            // Nothing is written beside the pixels.
-            assert!(
-                planes.planes.0.iter().all(|plane| plane[..PIXELS.start].iter().chain(&plane[PIXELS.end..]).all(|x| *x == 0.0))
-            );
+            // Nothing is written behind the pixels.
+            assert!(planes.planes.0.iter().all(|plane| plane[PIXELS.end..].iter().all(|x| *x == 0.0)));
         }
     }
 
@@ -398,10 +402,10 @@ mod tests {
     #[test]
     fn weights_below_those_of_single_precision_still_count() {
         let mut planes = Planes::new(Width::Four);
-        let sums: Sums = [[Line([1e38; 16]); CHUNK_LINES]; 3];
-        planes.add(&segments(std::iter::once(3..7)), &sums, Weight(1e-40), Channels::One(1));
+        let sums: Sums = [[Line([1e38; 16]); SUM_LINES]; 3];
+        planes.add(&segments(3..7, Segment::extend_run), &sums, Weight(1e-40), Channels::One(1));
         assert_eq!(planes.colour(4)[0], 0.0);
-        planes.add(&segments(std::iter::once(3..7)), &sums, Weight(1e-40), Channels::All);
+        planes.add(&segments(3..7, Segment::extend_run), &sums, Weight(1e-40), Channels::All);
         assert!((planes.colour(4)[0] - 1e-2).abs() < 1e-6 && (planes.colour(4)[1] - 2e-2).abs() < 1e-6);
         assert_eq!(planes.colour(7), [0.0; 3]);
     }

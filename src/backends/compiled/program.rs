@@ -250,7 +250,9 @@ impl ProgramBuilder<'_, '_> {
                 };
                 let is_ordinary = run.iter().all(|span| class(span) == WeightClass::Ordinary);
                 match self.summation.code.filter(|_| is_ordinary) {
-                    Some(code) => self.program.calls.add(code, segments, weights, component, next_lines),
+                    Some(code) => {
+                        self.program.calls.add(code, &self.inputs.tile.segments, segments, weights, component, next_lines);
+                    }
                     None => self.portably(Portable::Add(spans, self.summation.channels)),
                 }
             }

@@ -13,6 +13,7 @@
 use crate::backends::compiled::leaves::{StaticLeaf, StaticTextures};
 use crate::backends::compiled::memory::StreamMemory;
 use crate::backends::compiled::place::TilePlace;
+use crate::backends::compiled::planes::numbers;
 use crate::evaluate::weights::Weight;
 use crate::formula::Formula;
 use crate::formula::equation::{Equation, weighed_by, weight_parameter};
@@ -143,18 +144,15 @@ impl HitWeights<'_> {
     /// `false` if terms are not collected.
     pub(super) fn collect(&self, segments: &[Segment], first: u32, sums: &Sums, channels: Channels) -> bool {
         let Some(collected) = self.collected else { return false };
-        let mut hit = first as usize;
-        for segment in segments {
-            let lane = segment.lanes().trailing_zeros() as usize;
-            for offset in 0..segment.pixels().len() {
-                let node = &collected[self.nodes[hit] as usize];
-                let mut terms = node.get();
-                for component in channels.components() {
-                    terms[component] += sums[component][segment.line()].0[lane + offset];
-                }
-                node.set(terms);
-                hit += 1;
+        let first_sum = segments.first().map_or(0, |segment| segment.first_hit());
+        let count = segments.iter().map(|segment| segment.hits()).sum();
+        for (sum, node) in (first_sum..).zip(&self.nodes[first as usize..]).take(count) {
+            let node = &collected[*node as usize];
+            let mut terms = node.get();
+            for component in channels.components() {
+                terms[component] += numbers(sums, component)[sum];
             }
+            node.set(terms);
         }
         true
     }

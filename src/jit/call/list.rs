@@ -5,7 +5,7 @@ use crate::jit::call::memory::CodeMemory;
 use crate::jit::call::pixel_code::PixelCode;
 use crate::jit::call::processor::{CodeCall, fetch, perform};
 use crate::jit::code_call::{AddCall, Bases, OUTPUTS};
-use crate::jit::lanes::{Line, Operands, PLANE_PIXELS, Splat};
+use crate::jit::lanes::{Line, Operands, PLANE_PIXELS, SUM_LINES, Splat};
 use crate::plan::STREAMS;
 use crate::trace::{CHUNK_HITS, CHUNK_LINES, Segment};
 use smallvec::SmallVec;
@@ -100,18 +100,22 @@ impl CallList {
         }
         let mut offsets = [0; OUTPUTS];
         for (component, offset) in components.zip(&mut offsets) {
-            *offset = (component * CHUNK_LINES + lines.start) * size_of::<Line>();
+            *offset = component * size_of::<[Line; SUM_LINES]>() + lines.start * size_of::<Line>();
         }
         let streams = streams.map(|stream| stream.start * size_of::<Line>());
         self.calls.extend(kernel.calls(streams, uniforms * size_of::<Splat>(), offsets, whole));
     }
 
-    /// Adds a call that adds the sums of the hits of these segments, times the weight of their span, to their pixels:
-    /// all components, or one (0 red, 1 green, 2 blue). The weights of their chunk begin at index `weights`. For each
-    /// segment it prefetches some lines of [`Operands::next_lines`], from index `next_lines` on.
+    /// Adds a call that adds the sums of the hits of these segments of `all`, times the weight of their span, to their
+    /// pixels: all components, or one (0 red, 1 green, 2 blue). The weights of their chunk begin at index `weights`.
+    /// For each segment it prefetches some lines of [`Operands::next_lines`], from index `next_lines` on.
+    ///
+    /// # Panics
+    /// If there are no such segments or no such component.
     pub fn add(
         &mut self,
         code: &'static PixelCode,
+        all: &[Segment],
         segments: Range<usize>,
         weights: usize,
         component: Option<usize>,
@@ -128,13 +132,15 @@ impl CallList {
         let addition = AddCall {
             segments: segments.start * size_of::<Segment>(),
             end: segments.end * size_of::<Segment>(),
-            sums: first_component * size_of::<[Line; CHUNK_LINES]>(),
+            sums: first_component * size_of::<[Line; SUM_LINES]>(),
             planes: first_component * size_of::<[f32; PLANE_PIXELS]>(),
             next_lines: next_lines * size_of::<Line>(),
             weights: weights * size_of::<f32>(),
             unused: Default::default(),
         };
-        let entry = if component.is_some() { code.adding_one } else { code.adding_all };
+        let has_gaps = !all[segments].iter().all(|segment| segment.is_run());
+        let adding = if component.is_some() { code.adding_one } else { code.adding_all };
+        let entry = if has_gaps { adding.with_gaps } else { adding.runs };
         self.calls.push(CodeCall { work: bytemuck::cast(addition), entry });
     }
 
@@ -164,9 +170,9 @@ impl CallList {
         // the lines of its rounds of each column of every stream, and its uniform splats: `contribute` counted them
         // in `sizes`, and the assertions here guarantee that they exist. It writes as many lines of sums, within a
         // chunk of each component. Code that adds to pixels reads at least one segment, and only segments that
-        // `sizes` counts. The line of a segment is one of a chunk, and its plane index is such that a line from there
-        // ends within a plane (see `Segment::line` and `Segment::plane_index`; only their module can make a segment).
-        // Sums and planes are arrays, so they have as many consecutive components from the given one on as the code was
+        // `sizes` counts. The first hit of a segment is one of a chunk and its first pixel one of a tile, so a line
+        // from there ends within the sums of a component and within a plane, which have that much room (only the module
+        // of segments can make one). Sums and planes are arrays, so they have as many consecutive components from the given one on as the code was
         // written for. `sizes` counts the weight of each span that a segment may name. A prefetch of any address is
         // harmless. Everything that is written is borrowed uniquely. The code lives as long as the list or for ever,
         // and the processor was checked for the instructions that it uses.
@@ -191,13 +197,13 @@ mod tests {
         let mut list = CallList::default();
         list.contribute(kernel, [0..0, 4..4 + 4 * columns, 0..0], 2, 0..3, 8..12);
         let code = PixelCode::get(compiled.width);
+        let segments = vec![Segment::new(0, 0, 0); 3];
         assert_eq!(code.is_some(), cfg!(target_arch = "x86_64"));
         if let Some(code) = code {
-            list.add(code, 1..3, 5, None, 0);
+            list.add(code, &segments, 1..3, 5, None, 0);
         }
         let lines = vec![Line::default(); 4 + 4 * columns];
         let uniforms = vec![Splat::default(); 2 + compiled.contribution.uniforms.outputs()];
-        let segments = vec![Segment::new(0, 0, 0); 3];
         let weights = vec![0.0; 5 + CHUNK_HITS];
         let (mut sums, mut planes) = (bytemuck::zeroed_box::<Sums>(), bytemuck::zeroed_box::<PixelPlanes>());
         let mut run = |lines: &[Line], uniforms: &[Splat], segments: &[Segment], weights: &[f32]| {

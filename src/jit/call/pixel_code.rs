@@ -1,13 +1,13 @@
 //! Code that adds to pixels and writes them: made once for each width, and called.
 
 use crate::jit::call::memory::CodeMemory;
-use crate::jit::lanes::{Line, PLANE_PIXELS, PixelLine, PixelPlanes};
-use crate::jit::pixels::{self, Strides, Writing};
+use crate::jit::lanes::{Line, PLANE_PIXELS, PixelLine, PixelPlanes, SUM_LINES};
+use crate::jit::pixels::{self, Gaps, Strides, Writing};
 use crate::jit::target::target;
 use crate::jit::widen::ALIGNMENT;
 use crate::picture::encoder::Encoder;
 use crate::simd::Width;
-use crate::trace::{CHUNK_LINES, LINE_HITS};
+use crate::trace::LINE_HITS;
 use cranelift_codegen::ir::Signature;
 use cranelift_codegen::isa::CallConv;
 use cranelift_jit::JITBuilder;
@@ -16,12 +16,21 @@ use std::sync::OnceLock;
 
 /// Code that adds contributions to pixels and writes pixels, for vectors of a width.
 pub struct PixelCode {
-    /// The addresses of the code of [`pixels`] that adds all components, and one.
-    pub(super) adding_all: usize,
-    pub(super) adding_one: usize,
+    /// The code that adds all components, and one.
+    pub(super) adding_all: AddingCode,
+    pub(super) adding_one: AddingCode,
     /// The code that writes pixels, by multiplication and by a table.
     writing: [WritingCode; 2],
     _memory: CodeMemory,
+}
+
+/// The addresses of the code of [`pixels`] that adds segments.
+#[derive(Clone, Copy)]
+pub(super) struct AddingCode {
+    /// For segments without gaps.
+    pub(super) runs: usize,
+    /// For any segments.
+    pub(super) with_gaps: usize,
 }
 
 /// The code of [`pixels`] that writes pixels.
@@ -55,10 +64,12 @@ impl PixelCode {
         let builder = JITBuilder::with_isa(target.isa, cranelift_module::default_libcall_names());
         let mut memory = CodeMemory::new(builder);
         let module = &mut *memory.0;
-        let strides = Strides { sums: size_of::<[Line; CHUNK_LINES]>() as i64, plane: size_of::<[f32; PLANE_PIXELS]>() as i64 };
+        let strides = Strides { sums: size_of::<[Line; SUM_LINES]>() as i64, plane: size_of::<[f32; PLANE_PIXELS]>() as i64 };
         let codes = [
-            ("adding", pixels::adding_code(width, strides, 3)),
-            ("adding_one", pixels::adding_code(width, strides, 1)),
+            ("adding", pixels::adding_code(width, strides, 3, Gaps::None)),
+            ("adding_with_gaps", pixels::adding_code(width, strides, 3, Gaps::Any)),
+            ("adding_one", pixels::adding_code(width, strides, 1, Gaps::None)),
+            ("adding_one_with_gaps", pixels::adding_code(width, strides, 1, Gaps::Any)),
             ("writing_linear", pixels::writing_code(width, Writing::Linear, strides.plane)),
             ("writing_by_table", pixels::writing_code(width, Writing::Table, strides.plane)),
         ];
@@ -67,14 +78,21 @@ impl PixelCode {
             module.define_function_bytes(id, ALIGNMENT, &code.ok()?, &[]).ok()?;
             Some(id)
         };
-        let [adding_all, adding_one, linear, by_table] = codes.map(&mut define);
-        let ids = [adding_all?, adding_one?, linear?, by_table?];
+        let mut ids = Vec::with_capacity(codes.len());
+        for code in codes {
+            ids.push(define(code)?);
+        }
         module.finalize_definitions().ok()?;
-        let [adding_all, adding_one, linear, by_table] = ids.map(|id| module.get_finalized_function(id));
+        let [adding_all, adding_with_gaps, adding_one, adding_one_with_gaps, linear, by_table] =
+            <[_; 6]>::try_from(ids).ok()?.map(|id| module.get_finalized_function(id));
         // SAFETY: at the address is the finished code of a function with these parameters and the C calling
         // convention. Its memory lives as long as the result.
         let writing = [linear, by_table].map(|code| unsafe { std::mem::transmute::<*const u8, WritingCode>(code) });
-        let [adding_all, adding_one] = [adding_all, adding_one].map(<*const u8>::expose_provenance);
+        let adding = |runs: *const u8, with_gaps: *const u8| AddingCode {
+            runs: runs.expose_provenance(),
+            with_gaps: with_gaps.expose_provenance(),
+        };
+        let (adding_all, adding_one) = (adding(adding_all, adding_with_gaps), adding(adding_one, adding_one_with_gaps));
         Some(Self { adding_all, adding_one, writing, _memory: memory })
     }
 

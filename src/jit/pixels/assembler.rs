@@ -59,12 +59,14 @@ pub(super) struct Assembler {
     code: Vec<Instruction>,
     /// The numbers that follow the code.
     data: Vec<[u32; 4]>,
+    /// Registers that the caller gets back as they were, in the order in which they were saved.
+    saved: Vec<Register>,
     loop_start: Option<usize>,
 }
 
 impl Assembler {
     pub(super) fn new(width: Width) -> Self {
-        Self { width, code: Vec::new(), data: Vec::new(), loop_start: None }
+        Self { width, code: Vec::new(), data: Vec::new(), saved: Vec::new(), loop_start: None }
     }
 
     pub(super) fn width(&self) -> Width {
@@ -219,6 +221,23 @@ impl Assembler {
         self.load(into, Self::data_at(index))
     }
 
+    /// Puts these bytes into the data, and their address into a register.
+    pub(super) fn address(&mut self, into: Register, bytes: &[u8]) -> Result<(), IcedError> {
+        let index = self.data.len();
+        let number = |bytes: &[u8]| bytes.iter().rev().fold(0, |number, byte| number << 8 | u32::from(*byte));
+        let numbers = bytes.chunks(16).map(|bytes| std::array::from_fn(|at| bytes.chunks(4).nth(at).map_or(0, number)));
+        self.data.extend(numbers);
+        self.code.push(Instruction::with2(Code::Lea_r64_m, into, Self::data_at(index))?);
+        Ok(())
+    }
+
+    /// Saves a register that belongs to the caller until the function returns.
+    pub(super) fn save(&mut self, register: Register) -> Result<(), IcedError> {
+        self.code.push(Instruction::with1(Code::Push_r64, register)?);
+        self.saved.push(register);
+        Ok(())
+    }
+
     /// The address of a number of the data.
     fn data_at(index: usize) -> MemoryOperand {
         at(Register::RIP, (DATA + index as u64) as i64)
@@ -243,6 +262,9 @@ impl Assembler {
         if self.width > Width::Four {
             // The caller runs without AVX, and would be slowed down by the upper halves of registers.
             self.code.push(Instruction::with(Code::VEX_Vzeroupper));
+        }
+        for register in self.saved.iter().rev() {
+            self.code.push(Instruction::with1(Code::Pop_r64, *register)?);
         }
         self.code.push(Instruction::with(Code::Retnq));
         for (address, [a, b, c, d]) in (DATA..).zip(self.data) {

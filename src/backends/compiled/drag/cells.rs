@@ -78,9 +78,8 @@ impl CellSet {
     pub(super) fn add(&mut self, segments: &[Segment]) {
         for segment in segments {
             // A segment is not longer than a cell, so it touches at most two.
-            let pixels = segment.pixels();
-            self.0[pixels.start / CELL_PIXELS] = true;
-            self.0[(pixels.end - 1) / CELL_PIXELS] = true;
+            self.0[segment.first_pixel() / CELL_PIXELS] = true;
+            self.0[segment.last_pixel() / CELL_PIXELS] = true;
         }
     }
 
