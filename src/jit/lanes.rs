@@ -51,6 +51,11 @@ pub const SUM_LINES: usize = CHUNK_LINES + 1;
 /// The contributions of a chunk of hits, summed over lights: red, green and blue of each line.
 pub type Sums = [[Line; SUM_LINES]; 3];
 
+/// The numbers of a component of sums, hit by hit.
+pub fn numbers(sums: &Sums, component: usize) -> &[f32] {
+    bytemuck::cast_slice(&sums[component])
+}
+
 /// The pixels of a plane: those of a tile, and room for two lines.
 pub const PLANE_PIXELS: usize = TILE_PIXELS as usize + 2 * LINE_HITS;
 

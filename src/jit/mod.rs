@@ -33,5 +33,5 @@ pub use crate::simd::Width;
 pub use cache::KernelCache;
 pub use call::{CallList, Kernel, PixelCode, fetch};
 pub use compile::{CompiledFormula, CompiledVariant};
-pub use lanes::{Line, Operands, PREFETCH_DISTANCE, PixelLine, PixelPlanes, Splat, Streams, Sums};
+pub use lanes::{Line, Operands, PREFETCH_DISTANCE, PixelLine, PixelPlanes, Splat, Streams, Sums, numbers};
 pub use target::{CompileError, Listing};

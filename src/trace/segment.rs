@@ -61,7 +61,8 @@ impl Segment {
         Self { pixel, lanes: 1, hit: (hit % CHUNK_HITS as u32) as u16, span: span as u16 }
     }
 
-    /// Adds the next hit of the chunk, if its pixel is after those of the segment and near enough. Whether it was added.
+    /// Adds the next hit of the chunk, if its pixel is after those of the segment and near enough. Whether it was
+    /// added.
     pub(crate) fn extend(&mut self, pixel: u16) -> bool {
         let fits = usize::from(self.hit) + self.hits() < CHUNK_HITS;
         let lane = pixel.checked_sub(self.pixel).filter(|lane| fits && self.lanes.checked_shr((*lane).into()) == Some(0));

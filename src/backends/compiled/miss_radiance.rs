@@ -22,6 +22,8 @@ struct MissRun {
     path: u32,
     /// Their numbers among the misses of the tile.
     misses: Range<u32>,
+    /// The number of the first among the misses of the path.
+    in_path: u32,
 }
 
 impl MissRadiance {
@@ -44,7 +46,12 @@ impl MissRadiance {
                 match runs[start..].last_mut() {
                     Some(run) if usize::from(run.pixel) + run.misses.len() == pixel => run.misses.end += 1,
                     // Tiles are small enough.
-                    _ => runs.push(MissRun { pixel: pixel as u16, path: span.path.0, misses: miss..miss + 1 }),
+                    _ => runs.push(MissRun {
+                        pixel: pixel as u16,
+                        path: span.path.0,
+                        misses: miss..miss + 1,
+                        in_path: miss - span.hits.start,
+                    }),
                 }
             }
             replay_misses(tracer, tile, span, |_, direction| {
@@ -67,7 +74,7 @@ impl MissRadiance {
 
     /// Adds the radiance of all misses times a colour and the weight of their path to the pixels.
     pub(super) fn add(&self, colour: [f32; 3], weights: &[Weight], planes: &mut Planes) {
-        for MissRun { pixel, path, misses } in &self.runs {
+        for MissRun { pixel, path, misses, .. } in &self.runs {
             let weight = weights[*path as usize];
             if weight.is_zero() {
                 continue;
@@ -75,6 +82,33 @@ impl MissRadiance {
             let misses = misses.start as usize..misses.end as usize;
             for (component, factor) in weight.of(colour).into_iter().enumerate() {
                 planes.add_run(component, usize::from(*pixel), &self.components[component][misses.clone()], factor);
+            }
+        }
+    }
+
+    /// The same where each ray has a weight of its own. `weights` gives those of a path and a component, in the order
+    /// of misses, or none for the camera's rays, whose weight is 1.
+    pub(super) fn add_weighed<'w>(
+        &self,
+        colour: [f32; 3],
+        path_weights: &[Weight],
+        weights: impl Fn(usize, usize) -> Option<&'w [f32]>,
+        planes: &mut Planes,
+    ) {
+        for MissRun { pixel, path, misses, in_path } in &self.runs {
+            let (path, pixel) = (*path as usize, usize::from(*pixel));
+            if path_weights[path].is_zero() {
+                continue;
+            }
+            for (component, factor) in colour.into_iter().enumerate() {
+                let seen = &self.components[component][misses.start as usize..misses.end as usize];
+                match weights(path, component) {
+                    None => planes.add_run(component, pixel, seen, factor),
+                    Some(weights) => {
+                        let weights = &weights[*in_path as usize..][..seen.len()];
+                        planes.add_weighed_run(component, pixel, (seen, weights), factor);
+                    }
+                }
             }
         }
     }

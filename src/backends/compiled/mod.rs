@@ -330,6 +330,7 @@ impl Compiled {
             uniforms: self.surface_uniforms(parameters),
             weights: parameter_weights(&self.equation, parameters, bodies),
             own,
+            is_live: false,
         })
     }
 

@@ -8,7 +8,7 @@ use crate::backends::compiled::surface::{HitWeights, times};
 use crate::evaluate::weights::Weight;
 use crate::evaluate::{Part, write};
 use crate::jit::lanes::PLANE_PIXELS;
-use crate::jit::{Line, PixelCode, PixelLine, PixelPlanes, Sums, Width};
+use crate::jit::{Line, PixelCode, PixelLine, PixelPlanes, Sums, Width, numbers};
 use crate::picture::encoder::with_bytes;
 use crate::plan::Channels;
 use crate::trace::{LINE_HITS, Region, Segment, TILE_PIXELS, Tile};
@@ -65,6 +65,12 @@ impl Planes {
     pub(super) fn add_run(&mut self, component: usize, pixel: usize, numbers: &[f32], factor: f32) {
         let plane = &mut self.planes.0[component][PIXELS][pixel..pixel + numbers.len()];
         self.width.dispatch(AddRun { plane, numbers, factor });
+    }
+
+    /// Adds numbers times weights times a factor to consecutive pixels of a component. A weight of 0 adds nothing.
+    pub(super) fn add_weighed_run(&mut self, component: usize, pixel: usize, (numbers, weights): (&[f32], &[f32]), factor: f32) {
+        let plane = &mut self.planes.0[component][PIXELS][pixel..pixel + numbers.len()];
+        self.width.dispatch(AddWeighedRun { plane, numbers, weights, factor });
     }
 
     /// Adds the first pixels of other planes.
@@ -151,11 +157,6 @@ impl Planes {
     }
 }
 
-/// The numbers of a component of sums, hit by hit.
-pub(super) fn numbers(sums: &Sums, component: usize) -> &[f32] {
-    bytemuck::cast_slice(&sums[component])
-}
-
 // Work that is dispatched by width is a structure with a method. The method must be inlined, because only inlined
 // code is compiled for the width.
 
@@ -214,6 +215,25 @@ impl WithSimd for AddRun<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         self.plane.iter_mut().zip(self.numbers).for_each(|(sum, number)| *sum += self.factor * number);
+    }
+}
+
+/// Adds numbers times weights times a factor.
+struct AddWeighedRun<'a> {
+    plane: &'a mut [f32],
+    numbers: &'a [f32],
+    weights: &'a [f32],
+    factor: f32,
+}
+
+impl WithSimd for AddWeighedRun<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for ((sum, number), weight) in self.plane.iter_mut().zip(self.numbers).zip(self.weights) {
+            *sum += if *weight == 0.0 { 0.0 } else { weight * (self.factor * number) };
+        }
     }
 }
 

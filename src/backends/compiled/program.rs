@@ -43,6 +43,8 @@ struct BuiltFor {
 enum Portable {
     /// Clears these lines of the sums of a component.
     Clear(usize, Range<usize>),
+    /// Multiplies the sums of these hits by their weights. The number of the first hit in the chunk follows.
+    Weigh(Range<u32>, usize, Channels),
     /// Adds the sums of these spans to their pixels. The range indexes the spans of the tile.
     Add(Range<usize>, Channels),
 }
@@ -57,6 +59,8 @@ enum WeightClass {
     Ordinary,
     /// Each hit has a weight of its own.
     OfHits,
+    /// The same, and single precision is enough for all of them.
+    PlainOfHits,
 }
 
 impl WeightClass {
@@ -88,9 +92,17 @@ impl TileInputs<'_> {
         let weight = self.weights[path.index()];
         match &self.hit_weights {
             Some(_) if weight.is_zero() => WeightClass::Zero,
-            Some(weights) if weights.collects() || self.tile.paths[path.index()].parent.is_some() => WeightClass::OfHits,
+            Some(weights) if weights.collects() || self.tile.paths[path.index()].parent.is_some() => match weights.is_plain() {
+                true => WeightClass::PlainOfHits,
+                false => WeightClass::OfHits,
+            },
             Some(_) | None => WeightClass::of(weight),
         }
+    }
+
+    /// The weight of the spans of a path, for compiled code. It is 1 where the hits have weights of their own.
+    pub(super) fn span_weight(&self, path: PathId) -> f32 {
+        if self.class(path) == WeightClass::PlainOfHits { 1.0 } else { self.weights[path.index()].0 as f32 }
     }
 
     /// The classes of all paths.
@@ -169,10 +181,16 @@ impl TileProgram {
             done = *after;
             match portable {
                 Portable::Clear(component, lines) => sums[*component][lines.clone()].fill(Line::default()),
+                Portable::Weigh(hits, first, channels) => {
+                    if let Some(weights) = &inputs.hit_weights {
+                        weights.weigh(hits.clone(), *first, sums, *channels);
+                    }
+                }
                 Portable::Add(spans, channels) => {
                     for span in &inputs.tile.spans[spans.clone()] {
                         let segments = inputs.tile.segments_of(span);
-                        let of_hits = |_: &&HitWeights| inputs.class(span.path) == WeightClass::OfHits;
+                        let is_of_hits = matches!(inputs.class(span.path), WeightClass::OfHits | WeightClass::PlainOfHits);
+                        let of_hits = |_: &&HitWeights| is_of_hits;
                         match inputs.hit_weights.as_ref().filter(of_hits) {
                             Some(weights) if weights.collect(segments, span.hits.start, sums, *channels) => {}
                             Some(weights) => planes.add_weighted(segments, span.hits.start, sums, weights, *channels),
@@ -231,8 +249,8 @@ impl ProgramBuilder<'_, '_> {
             rest = behind;
             let weights = number;
             // Consecutive spans whose weight is not 0 are computed together. The others are skipped. Those whose hits
-            // have weights of their own are added by other code.
-            let kind = |span: &Span| [WeightClass::Zero, WeightClass::OfHits].map(|kind| class(span) == kind);
+            // have weights of their own are added in other ways.
+            let kind = |span: &Span| if class(span) == WeightClass::Tiny { WeightClass::Ordinary } else { class(span) };
             for run in chunk.chunk_by(|a, b| kind(a) == kind(b)) {
                 let spans = number..number + run.len();
                 number = spans.end;
@@ -248,9 +266,14 @@ impl ProgramBuilder<'_, '_> {
                     Channels::All => None,
                     Channels::One(component) => Some(component),
                 };
+                let is_plain = class(first) == WeightClass::PlainOfHits;
                 let is_ordinary = run.iter().all(|span| class(span) == WeightClass::Ordinary);
-                match self.summation.code.filter(|_| is_ordinary) {
+                match self.summation.code.filter(|_| is_ordinary || is_plain) {
                     Some(code) => {
+                        if is_plain {
+                            let hits = first.hits.start..last.hits.end;
+                            self.portably(Portable::Weigh(hits, begin % CHUNK_HITS, self.summation.channels));
+                        }
                         self.program.calls.add(code, &self.inputs.tile.segments, segments, weights, component, next_lines);
                     }
                     None => self.portably(Portable::Add(spans, self.summation.channels)),

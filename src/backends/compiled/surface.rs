@@ -10,58 +10,31 @@
 //! behind a red and a green mirror gives NaN if its colour is infinite. In a tile with such weights, the terms of each
 //! node are collected, and added up along the paths at the end.
 
-use crate::backends::compiled::leaves::{StaticLeaf, StaticTextures};
-use crate::backends::compiled::memory::StreamMemory;
+mod nodes;
+mod plain_weights;
+#[cfg(test)]
+mod tests;
+
+pub(super) use nodes::SurfaceTile;
+
 use crate::backends::compiled::place::TilePlace;
-use crate::backends::compiled::planes::numbers;
 use crate::evaluate::weights::Weight;
-use crate::formula::Formula;
 use crate::formula::equation::{Equation, weighed_by, weight_parameter};
 use crate::formula::graph::NodeId;
 use crate::jit::compile::CompiledSurface;
-use crate::jit::{CompiledFormula, Line, Splat, Sums};
-use crate::lang::scalars::{Floats, Scalars, flush};
+use crate::jit::{Line, Splat, Sums, Width, numbers};
+use crate::lang::scalars::{Floats, Scalars};
 use crate::lang::surface_terms::SurfaceTerm;
 use crate::plan::{Channels, SurfacePlan};
 use crate::scene::BodyId;
-use crate::trace::{
-    CoordinatesUse, Edge, HitVariables, Hits, LINE_HITS, Mismatch, Path, PathId, ROUND_LINES, Segment, Tile, Tracer, replay,
-};
-use rayon::prelude::*;
+use crate::trace::{Edge, LINE_HITS, Path, ROUND_LINES, Segment, Tile};
+use nodes::NodesOnBody;
+use plain_weights::{EdgeOutputs, EdgeWeights, PlainWeights};
 use std::cell::Cell;
-use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// The largest weight of a path that is bounded. Larger ones, infinity and NaN are not.
 const LARGEST_WEIGHT: f64 = 1e6;
-
-/// No node.
-const NONE: u32 = u32::MAX;
-
-/// The nodes of a tile.
-pub(super) struct SurfaceTile {
-    /// The nodes of each path, in the order of their pixels. Those of a path that left the scene have no values.
-    paths: Vec<Range<u32>>,
-    /// The nodes on each body that has one.
-    bodies: Vec<NodesOnBody>,
-    /// The pixel of each node in the tile.
-    pixels: Vec<u16>,
-    /// The node from which the ray of each node comes.
-    parents: Vec<u32>,
-    /// The node of each hit of the tile, in the order of groups.
-    of_hit: Vec<u32>,
-    /// The static values of the nodes on bodies, line by line.
-    columns: StreamMemory,
-    lines: usize,
-}
-
-/// The nodes of a tile on one body.
-struct NodesOnBody {
-    body: BodyId,
-    lines: Range<usize>,
-    /// Whether any ray goes on from them.
-    go_on: bool,
-}
 
 /// What a summation needs to know beside its colours.
 pub(super) struct SurfaceSummation<'p> {
@@ -75,6 +48,8 @@ pub(super) struct SurfaceSummation<'p> {
     pub(super) weights: Vec<[f32; 2]>,
     /// What is added of the ambient light and the emission of the formula.
     pub(super) own: OwnPart,
+    /// Whether it is the part of a picture that moves in a drag. Then paths that add nothing do not count.
+    pub(super) is_live: bool,
 }
 
 /// A part of the ambient light and the emission that a formula gives at every hit.
@@ -91,9 +66,12 @@ pub(super) struct SurfaceScratch {
     outputs: Vec<Line>,
     /// What is given with the other uniform values of a change.
     others: Vec<Line>,
-    /// The weights of the path up to each node, red, green and blue. Those of the nodes of the camera's rays have no
-    /// meaning: they are 1.
-    weights: Vec<[f64; 3]>,
+    /// The weights of the path up to each node, in single precision if that is enough.
+    plain: PlainWeights,
+    is_plain: bool,
+    /// The same where it is not enough: red, green and blue. Those of the nodes of the camera's rays have no meaning:
+    /// they are 1.
+    exact: Vec<[f64; 3]>,
     /// Whether any node of each path has another weight than 0.
     live: Vec<bool>,
     /// Whether a weight is not bounded.
@@ -109,6 +87,33 @@ impl SurfaceScratch {
     pub(super) fn is_unbounded(&self) -> bool {
         self.is_unbounded
     }
+
+    /// Whether single precision is enough for the weights of paths in the last summation.
+    pub(super) fn is_plain(&self) -> bool {
+        self.is_plain
+    }
+}
+
+/// The weights of the nodes of a tile.
+#[derive(Clone, Copy)]
+enum NodeWeights<'w> {
+    Plain(&'w PlainWeights),
+    Exact(&'w [[f64; 3]]),
+}
+
+impl<'w> NodeWeights<'w> {
+    fn new(plain: &'w PlainWeights, is_plain: bool, exact: &'w [[f64; 3]]) -> Self {
+        if is_plain { NodeWeights::Plain(plain) } else { NodeWeights::Exact(exact) }
+    }
+
+    /// The weight of a node that is not of a ray of the camera: red, green and blue.
+    #[inline]
+    fn of(self, node: usize) -> [f64; 3] {
+        match self {
+            NodeWeights::Plain(weights) => weights.of(node),
+            NodeWeights::Exact(weights) => weights[node],
+        }
+    }
 }
 
 /// What the weights of the paths of a tile have that is special.
@@ -123,7 +128,8 @@ struct Special {
 /// The weights of the hits of a tile.
 pub(super) struct HitWeights<'w> {
     nodes: &'w [u32],
-    weights: &'w [[f64; 3]],
+    weights: NodeWeights<'w>,
+    width: Width,
     /// Where the terms of nodes are collected, if they are.
     collected: Option<&'w [Cell<[f32; 3]>]>,
 }
@@ -137,7 +143,20 @@ impl HitWeights<'_> {
     /// The weight of a hit that is not of a ray of the camera: red, green and blue. `hit` is its number in the tile.
     #[inline]
     pub(super) fn of(&self, hit: u32) -> [f64; 3] {
-        self.weights[self.nodes[hit as usize] as usize]
+        self.weights.of(self.nodes[hit as usize] as usize)
+    }
+
+    /// Whether [`weigh`](Self::weigh) can be used.
+    pub(super) fn is_plain(&self) -> bool {
+        matches!(self.weights, NodeWeights::Plain(_))
+    }
+
+    /// Multiplies the sums of these hits by their weights, if single precision is enough for them. The first hit has
+    /// the number `first` in its chunk.
+    pub(super) fn weigh(&self, hits: Range<u32>, first: usize, sums: &mut Sums, channels: Channels) {
+        if let NodeWeights::Plain(weights) = self.weights {
+            weights.weigh(&self.nodes[hits.start as usize..hits.end as usize], first, sums, channels, self.width);
+        }
     }
 
     /// Adds the sums of the hits of a span to the terms of their nodes. The first hit has this number in the tile.
@@ -165,147 +184,6 @@ pub(super) fn times(weight: f64, component: f32) -> f32 {
     if narrow.abs() < f32::MIN_POSITIVE { (weight * f64::from(component)) as f32 } else { narrow * component }
 }
 
-impl SurfaceTile {
-    /// The memory that a hit takes beside its static values, in bytes, scratch memory of a frame included.
-    pub(super) const BYTES_PER_HIT: usize =
-        size_of::<u16>() + 2 * size_of::<u32>() + size_of::<[f64; 3]>() + 12 * size_of::<f32>();
-
-    /// The nodes of all tiles, with their static values, and these textures.
-    pub(super) fn of_tiles(
-        compiled: &CompiledFormula,
-        formula: &Formula,
-        textures: &StaticTextures,
-        hits: &Hits,
-    ) -> Result<Vec<Self>, Mismatch> {
-        let (Some(plan), Some(compiled)) = (&compiled.plan.surface, &compiled.surface) else { return Ok(Vec::new()) };
-        let tracer = Tracer::new(&hits.world, &hits.view);
-        let leaves = StaticLeaf::of(&plan.hits, &plan.bindings.graph, &formula.parameters);
-        let of_tile = |tile: &Tile| {
-            let mut made = Self::new(tile);
-            made.fill(compiled, &leaves, textures, &tracer, tile)?;
-            Ok(made)
-        };
-        hits.tiles.par_iter().map(of_tile).collect()
-    }
-
-    /// The nodes of a tile, without values.
-    fn new(tile: &Tile) -> Self {
-        let pixels = pixels_of_paths(tile);
-        // Nodes on one body are neighbours, from whole lines on.
-        let mut order: Vec<PathId> = (0..tile.paths.len() as u32).map(PathId).collect();
-        order.sort_by_key(|path| (tile.paths[path.index()].body.is_none(), tile.paths[path.index()].body, *path));
-        let mut made = Self {
-            paths: vec![0..0; tile.paths.len()],
-            bodies: Vec::new(),
-            pixels: Vec::new(),
-            parents: Vec::new(),
-            of_hit: Vec::new(),
-            columns: StreamMemory::zeroed(0),
-            lines: 0,
-        };
-        for path in order {
-            let body = tile.paths[path.index()].body;
-            if made.bodies.last().map(|nodes| Some(nodes.body)) != Some(body) {
-                made.pixels.resize(made.pixels.len().next_multiple_of(LINE_HITS), 0);
-                if let Some(body) = body {
-                    made.bodies.push(NodesOnBody { body, lines: made.pixels.len() / LINE_HITS..0, go_on: false });
-                }
-            }
-            // A tile has fewer than 2³² hits and misses.
-            let start = made.pixels.len() as u32;
-            made.pixels.extend_from_slice(&pixels[path.index()]);
-            made.paths[path.index()] = start..made.pixels.len() as u32;
-            if let (Some(_), Some(nodes)) = (body, made.bodies.last_mut()) {
-                nodes.lines.end = made.pixels.len().div_ceil(LINE_HITS);
-                made.lines = nodes.lines.end;
-            }
-        }
-        let parents = tile.paths.iter().filter_map(|path| path.parent);
-        let going_on: BTreeSet<BodyId> = parents.filter_map(|parent| tile.paths[parent.index()].body).collect();
-        made.bodies.iter_mut().for_each(|nodes| nodes.go_on = going_on.contains(&nodes.body));
-        made.parents = vec![NONE; made.pixels.len()];
-        for (path, own) in tile.paths.iter().zip(&made.paths) {
-            let Some(parent) = path.parent else { continue };
-            for node in own.clone() {
-                made.parents[node as usize] = made.node(parent, made.pixels[node as usize]);
-            }
-        }
-        made.of_hit = vec![NONE; tile.groups.last().map_or(0, |group| group.hits.end as usize)];
-        for span in &tile.spans {
-            let of_span = tile.segments_of(span).iter().flat_map(|segment| segment.pixels());
-            for (hit, pixel) in span.hits.clone().zip(of_span) {
-                made.of_hit[hit as usize] = made.node(span.path, pixel as u16);
-            }
-        }
-        made
-    }
-
-    /// The node of a path in a pixel of the tile.
-    fn node(&self, path: PathId, pixel: u16) -> u32 {
-        let own = self.paths[path.index()].clone();
-        let pixels = &self.pixels[own.start as usize..own.end as usize];
-        pixels.binary_search(&pixel).map_or(NONE, |offset| own.start + offset as u32)
-    }
-
-    /// Computes the static values of the nodes on bodies.
-    fn fill(
-        &mut self,
-        compiled: &CompiledSurface,
-        leaves: &[StaticLeaf],
-        textures: &StaticTextures,
-        tracer: &Tracer,
-        tile: &Tile,
-    ) -> Result<(), Mismatch> {
-        let coordinates = CoordinatesUse::by(leaves.iter().filter_map(StaticLeaf::variable));
-        let lines = self.lines + ROUND_LINES;
-        let mut values = vec![Line::default(); lines * leaves.len()];
-        for group in &tile.groups {
-            replay(tracer, tile, group, group.hits.clone(), |hit, _, surface| {
-                let node = self.of_hit[hit as usize] as usize;
-                let own = HitVariables::new(tracer.world(), surface, tracer.relative_index(surface), coordinates);
-                for (column, leaf) in leaves.iter().enumerate() {
-                    let value = textures.at_hit(*leaf, &own, group.body);
-                    values[node / LINE_HITS * leaves.len() + column].0[node % LINE_HITS] = flush(value);
-                }
-            })?;
-        }
-        let outputs = compiled.hits.outputs();
-        self.columns = StreamMemory::zeroed(lines * outputs);
-        if outputs > 0 {
-            compiled.hits.run([&values, &[], &[]], &[], &mut [self.columns.lines_mut()], self.lines);
-        }
-        Ok(())
-    }
-
-    /// The memory that is kept, in bytes.
-    pub(super) fn bytes(&self) -> usize {
-        size_of_val(self.columns.lines())
-            + size_of_val(&*self.pixels)
-            + size_of_val(&*self.parents)
-            + size_of_val(&*self.of_hit)
-            + size_of_val(&*self.paths)
-    }
-}
-
-/// The pixels of every path of a tile, in order: of hits, or of rays that left the scene.
-fn pixels_of_paths(tile: &Tile) -> Vec<Vec<u16>> {
-    let mut pixels: Vec<Vec<u16>> = vec![Vec::new(); tile.paths.len()];
-    for span in &tile.spans {
-        let of_span = tile.segments_of(span).iter().flat_map(|segment| segment.pixels());
-        pixels[span.path.index()].extend(of_span.map(|pixel| pixel as u16));
-    }
-    for span in &tile.misses {
-        let of_span = tile.miss_segments_of(span).iter().flat_map(|segment| segment.pixels());
-        pixels[span.path.index()].extend(of_span.map(|pixel| pixel as u16));
-    }
-    for pixels in &mut pixels {
-        // Scattered hits are there more than once.
-        pixels.sort_unstable();
-        pixels.dedup();
-    }
-    pixels
-}
-
 impl SurfaceSummation<'_> {
     /// The nodes of a tile.
     fn nodes(&self, place: TilePlace) -> &SurfaceTile {
@@ -313,25 +191,64 @@ impl SurfaceSummation<'_> {
     }
 
     /// Computes the weights of all nodes of a tile. Sets the weight of a path to 0 if those of all its nodes are 0. A
-    /// path whose weight is 0 already is left out of the summation, but not the paths that continue it.
-    pub(super) fn weigh(&self, tile: &Tile, place: TilePlace, path_weights: &mut [Weight], scratch: &mut SurfaceScratch) {
+    /// path whose weight is 0 already is left out of the summation, but not the paths that continue it. `adds` tells
+    /// which paths add anything.
+    pub(super) fn weigh(
+        &self,
+        tile: &Tile,
+        place: TilePlace,
+        adds: impl Fn(&Path) -> bool,
+        path_weights: &mut [Weight],
+        scratch: &mut SurfaceScratch,
+        width: Width,
+    ) {
         let nodes = self.nodes(place);
+        let needed = self.needed(tile, adds);
         self.evaluate(nodes, &self.uniforms, &mut scratch.outputs);
         if let OwnPart::Change(_, uniforms) = &self.own {
             self.evaluate(nodes, uniforms, &mut scratch.others);
         }
-        let SurfaceScratch { outputs, weights, live, is_unbounded, collects, collected, .. } = scratch;
-        let found = self.multiply(nodes, tile, outputs, weights, live, |weight, factor| weight * factor);
-        *is_unbounded = found.is_unbounded;
-        *collects = found.is_unbounded || found.vanishes;
+        let SurfaceScratch { outputs, plain, is_plain, exact, live, is_unbounded, collects, collected, .. } = scratch;
+        let rays = EdgeOutputs { lines: outputs, columns: self.compiled.outputs.overwrite.outputs(), width };
+        let weights = |path: &Path, edge: usize| self.ray_weights(tile, path, edge);
+        *is_plain = plain.multiply(nodes, tile, &rays, (|path: &Path| weight_of(path.edge), weights), |path| needed[path], live);
+        (*is_unbounded, *collects) = (false, false);
         collected.clear();
-        if *collects {
-            self.multiply(nodes, tile, outputs, weights, live, |_, _| 1.0);
-            collected.resize(nodes.pixels.len(), [0.0; 3]);
+        if !*is_plain {
+            let found = self.multiply(nodes, tile, outputs, exact, live, |weight, factor| weight * factor);
+            *is_unbounded = found.is_unbounded;
+            *collects = found.is_unbounded || found.vanishes;
+            if *collects {
+                self.multiply(nodes, tile, outputs, exact, live, |_, _| 1.0);
+                collected.resize(nodes.pixels.len(), [0.0; 3]);
+            }
         }
         for (weight, live) in path_weights.iter_mut().zip(live) {
             if !*live {
                 *weight = Weight(0.0);
+            }
+        }
+    }
+
+    /// Which paths of a tile count: those that add something, and those on the way to them. All count in pictures: an
+    /// infinite weight is seen even if nothing shines there.
+    fn needed(&self, tile: &Tile, adds: impl Fn(&Path) -> bool) -> Vec<bool> {
+        let mut needed: Vec<bool> = tile.paths.iter().map(|path| !self.is_live || adds(path)).collect();
+        for (index, path) in tile.paths.iter().enumerate().rev() {
+            if let Some(parent) = path.parent.filter(|_| needed[index]) {
+                needed[parent.index()] = true;
+            }
+        }
+        needed
+    }
+
+    /// The weights of the rays of a path, which came along this edge.
+    fn ray_weights(&self, tile: &Tile, path: &Path, edge: usize) -> EdgeWeights {
+        match self.plan.nodes.weights[edge] {
+            Some(weight) => EdgeWeights::Columns(self.plan.columns(weight)),
+            None => {
+                let from = path.parent.and_then(|parent| tile.paths[parent.index()].body);
+                EdgeWeights::Constant(from.map_or(0.0, |body| self.weights[body.index()][edge]))
             }
         }
     }
@@ -383,13 +300,11 @@ impl SurfaceSummation<'_> {
         path: &Path,
         outputs: &'f [Line],
     ) -> Option<impl Fn(usize) -> [f32; 3] + use<'f>> {
-        let (parent, edge) = (path.parent?, weight_of(path.edge)?);
+        let rays = self.ray_weights(tile, path, weight_of(path.edge)?);
         let count = self.compiled.outputs.overwrite.outputs();
-        let columns = self.plan.nodes.weights[edge].map(|weight| self.plan.columns(weight));
-        let constant = tile.paths[parent.index()].body.map_or(0.0, |body| self.weights[body.index()][edge]);
-        Some(move |node: usize| match columns {
-            Some(columns) => columns.map(|column| value(outputs, count, nodes.parents[node] as usize, column)),
-            None => [constant; 3],
+        Some(move |node: usize| match rays {
+            EdgeWeights::Columns(columns) => columns.map(|column| value(outputs, count, nodes.parents[node] as usize, column)),
+            EdgeWeights::Constant(weight) => [weight; 3],
         })
     }
 
@@ -411,7 +326,8 @@ impl SurfaceSummation<'_> {
         mut add: impl FnMut(usize, [f32; 3]),
     ) {
         let nodes = self.nodes(place);
-        let SurfaceScratch { outputs, others, weights, collects, collected, .. } = scratch;
+        let SurfaceScratch { outputs, others, plain, is_plain, exact, collects, collected, .. } = scratch;
+        let weights = NodeWeights::new(plain, *is_plain, exact);
         let count = self.compiled.outputs.overwrite.outputs();
         let given = self.own_nodes().map(|own| self.plan.columns(own));
         let everywhere = match self.own {
@@ -440,7 +356,7 @@ impl SurfaceSummation<'_> {
                     });
                     colour = std::array::from_fn(|component| colour[component] + own[component]);
                 }
-                let weight = if path.parent.is_some() { weights[node] } else { [1.0; 3] };
+                let weight = if path.parent.is_some() { weights.of(node) } else { [1.0; 3] };
                 if *collects {
                     collected[node] = colour;
                 } else if weight != [0.0; 3] {
@@ -451,8 +367,24 @@ impl SurfaceSummation<'_> {
         }
     }
 
-    /// Adds what every ray that leaves the scene sees of the environment, which `seen` gives for a miss. `add` adds a
-    /// colour to a pixel of the tile.
+    /// The weights of a component of the rays of a path, in the order of their pixels, after [`weigh`](Self::weigh), if
+    /// single precision is enough for them. `None` for rays of the camera, whose weight is 1.
+    pub(super) fn plain_weights<'w>(
+        &'w self,
+        tile: &'w Tile,
+        place: TilePlace,
+        scratch: &'w SurfaceScratch,
+    ) -> impl Fn(usize, usize) -> Option<&'w [f32]> {
+        let (nodes, weights) = (self.nodes(place), &scratch.plain);
+        move |path, component| {
+            tile.paths[path].parent?;
+            let own = nodes.paths[path].start as usize..nodes.paths[path].end as usize;
+            Some(&weights.component(component)[own])
+        }
+    }
+
+    /// Adds what every ray that leaves the scene sees of the environment, which `seen` gives for a miss, if single
+    /// precision is not enough for its weights. `add` adds a colour to a pixel of the tile.
     pub(super) fn add_environment(
         &self,
         tile: &Tile,
@@ -463,7 +395,7 @@ impl SurfaceSummation<'_> {
         mut add: impl FnMut(usize, [f32; 3]),
     ) {
         let nodes = self.nodes(place);
-        let SurfaceScratch { weights, collects, collected, .. } = scratch;
+        let SurfaceScratch { exact: weights, collects, collected, .. } = scratch;
         for span in tile.misses.iter().filter(|span| !path_weights[span.path.index()].is_zero()) {
             // The nodes of a path and its misses are in the order of pixels.
             let of_camera = tile.paths[span.path.index()].parent.is_none();
@@ -480,11 +412,12 @@ impl SurfaceSummation<'_> {
     }
 
     /// The weights of the hits of a tile, after [`weigh`](Self::weigh).
-    pub(super) fn hit_weights<'w>(&'w self, place: TilePlace, scratch: &'w mut SurfaceScratch) -> HitWeights<'w> {
+    pub(super) fn hit_weights<'w>(&'w self, place: TilePlace, scratch: &'w mut SurfaceScratch, width: Width) -> HitWeights<'w> {
         let collected = Cell::from_mut(&mut scratch.collected[..]).as_slice_of_cells();
         HitWeights {
             nodes: &self.nodes(place).of_hit,
-            weights: &scratch.weights,
+            weights: NodeWeights::new(&scratch.plain, scratch.is_plain, &scratch.exact),
+            width,
             collected: scratch.collects.then_some(collected),
         }
     }
@@ -498,7 +431,7 @@ impl SurfaceSummation<'_> {
         scratch: &mut SurfaceScratch,
         mut add: impl FnMut(usize, [f32; 3]),
     ) {
-        let SurfaceScratch { outputs, weights, collects, collected, .. } = scratch;
+        let SurfaceScratch { outputs, exact: weights, collects, collected, .. } = scratch;
         if !*collects {
             return;
         }

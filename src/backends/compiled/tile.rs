@@ -6,10 +6,10 @@ use crate::backends::compiled::place::TilePlace;
 use crate::backends::compiled::planes::Planes;
 use crate::backends::compiled::program::{TileInputs, TileProgram};
 use crate::backends::compiled::summation::Summation;
-use crate::backends::compiled::surface::{SurfaceScratch, SurfaceSummation};
+use crate::backends::compiled::surface::{OwnPart, SurfaceScratch, SurfaceSummation};
 use crate::evaluate::weights::Weight;
 use crate::jit::{Sums, Width, fetch};
-use crate::trace::{CHUNK_HITS, Tile};
+use crate::trace::{CHUNK_HITS, Path, Tile};
 
 /// How a summation treats the pixels that are in the planes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -105,9 +105,13 @@ impl Summation<'_> {
             Some(surface) => self.fill_nodes(surface, tile, place, accumulate, scratch),
         }
         let TileScratch { planes, weights, sums, span_weights, surface, .. } = scratch;
+        let width = planes.width();
         if let Some(radiance) = self.radiance(place) {
             match &self.surface {
                 None => radiance.add(self.environment, weights, planes),
+                Some(summation) if surface.is_plain() => {
+                    radiance.add_weighed(self.environment, weights, summation.plain_weights(tile, place, surface), planes);
+                }
                 Some(summation) => {
                     let add = |pixel: usize, colour: [f32; 3]| planes.add_colour(pixel, colour);
                     let seen = |miss: usize| {
@@ -118,11 +122,11 @@ impl Summation<'_> {
                 }
             }
         }
-        let hit_weights = self.surface.as_ref().map(|summation| summation.hit_weights(place, surface));
+        let hit_weights = self.surface.as_ref().map(|summation| summation.hit_weights(place, surface, width));
         let inputs = TileInputs { tile, place, drag_columns, weights, hit_weights };
         program.prepare(self, &inputs);
         span_weights.clear();
-        span_weights.extend(tile.spans.iter().map(|span| weights[span.path.index()].0 as f32));
+        span_weights.extend(tile.spans.iter().map(|span| inputs.span_weight(span.path)));
         span_weights.resize(tile.spans.len() + CHUNK_HITS, 0.0);
         program.run(self, &inputs, span_weights, sums, planes);
         if let Some(summation) = &self.surface {
@@ -147,7 +151,8 @@ impl Summation<'_> {
         accumulate: Accumulate,
         scratch: &mut TileScratch,
     ) {
-        surface.weigh(tile, place, &mut scratch.weights, &mut scratch.surface);
+        let width = scratch.planes.width();
+        surface.weigh(tile, place, |path| self.adds(path), &mut scratch.weights, &mut scratch.surface, width);
         let TileScratch { planes, weights, surface: nodes, .. } = scratch;
         if accumulate == Accumulate::Overwrite {
             planes.clear();
@@ -155,6 +160,13 @@ impl Summation<'_> {
         surface.add_own(tile, place, weights, nodes, (&self.at_hits, self.at_misses), |pixel, colour| {
             planes.add_colour(pixel, colour);
         });
+    }
+
+    /// Whether anything is added at the ends of the rays of a path.
+    fn adds(&self, path: &Path) -> bool {
+        let Some(body) = path.body else { return self.at_misses != [0.0; 3] || self.environment != [0.0; 3] };
+        let gives = self.surface.as_ref().is_some_and(|surface| !matches!(surface.own, OwnPart::None));
+        gives || self.at_hits[body.index()] != [0.0; 3] || self.sources.iter().any(|source| source.is_active_on(body))
     }
 
     /// Adds the terms without lights. They are the same for all pixels of a region.

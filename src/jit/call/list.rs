@@ -172,10 +172,10 @@ impl CallList {
         // chunk of each component. Code that adds to pixels reads at least one segment, and only segments that
         // `sizes` counts. The first hit of a segment is one of a chunk and its first pixel one of a tile, so a line
         // from there ends within the sums of a component and within a plane, which have that much room (only the module
-        // of segments can make one). Sums and planes are arrays, so they have as many consecutive components from the given one on as the code was
-        // written for. `sizes` counts the weight of each span that a segment may name. A prefetch of any address is
-        // harmless. Everything that is written is borrowed uniquely. The code lives as long as the list or for ever,
-        // and the processor was checked for the instructions that it uses.
+        // of segments can make one). Sums and planes are arrays, so they have as many consecutive components from the
+        // given one on as the code was written for. `sizes` counts the weight of each span that a segment may name. A
+        // prefetch of any address is harmless. Everything that is written is borrowed uniquely. The code lives as long
+        // as the list or for ever, and the processor was checked for the instructions that it uses.
         unsafe { perform(calls, &bases) }
     }
 }

@@ -145,8 +145,9 @@ fn add_masked(code: &mut Assembler, strides: Strides, components: usize, gaps: G
     };
     code.push(Instruction::with2(Code::VEX_Kmovw_kr_km16, Register::K1, lanes())?);
     // For each component, a vector of pixels and one of sums.
-    let vectors: Vec<[Register; 2]> =
-        (0..components as u32).map(|component| [PIXELS + component, SUM_VECTORS + component].map(|own| code.vector(own))).collect();
+    let vectors: Vec<[Register; 2]> = (0..components as u32)
+        .map(|component| [PIXELS + component, SUM_VECTORS + component].map(|own| code.vector(own)))
+        .collect();
     for (component, [pixels, _]) in vectors.iter().enumerate() {
         // Masked: the load of a whole vector would wait for the store of the segment before, where they overlap.
         let load = Instruction::with2(Code::EVEX_Vmovups_zmm_k1z_zmmm512, *pixels, pixel(strides, component, 0))?;

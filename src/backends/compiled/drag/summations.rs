@@ -207,7 +207,8 @@ impl DragKernels {
         let bodies = 0..compiled.equation.layout.owners(Owner::Body);
         let at_hits = bodies.map(|body| plan.moving(Site::Hit, parameters, body)).collect();
         let mut summation = compiled.empty_summation(at_hits, [0.0; 3], plan.channels);
-        summation.surface = compiled.surface_summation(parameters, OwnPart::None);
+        let surface = compiled.surface_summation(parameters, OwnPart::None);
+        summation.surface = surface.map(|surface| SurfaceSummation { is_live: true, ..surface });
         summation.push(source, uniforms);
         Some(summation)
     }
