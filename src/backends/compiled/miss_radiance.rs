@@ -86,13 +86,13 @@ impl MissRadiance {
         }
     }
 
-    /// The same where each ray has a weight of its own. `weights` gives those of a path and a component, in the order
-    /// of misses, or none for the camera's rays, whose weight is 1.
+    /// The same where each ray has a weight of its own. `weights` gives those of a path for red, green and blue, in the
+    /// order of misses, or none for the camera's rays, whose weight is 1.
     pub(super) fn add_weighed<'w>(
         &self,
         colour: [f32; 3],
         path_weights: &[Weight],
-        weights: impl Fn(usize, usize) -> Option<&'w [f32]>,
+        weights: impl Fn(usize) -> Option<[&'w [f32]; 3]>,
         planes: &mut Planes,
     ) {
         for MissRun { pixel, path, misses, in_path } in &self.runs {
@@ -100,14 +100,12 @@ impl MissRadiance {
             if path_weights[path].is_zero() {
                 continue;
             }
+            let own = weights(path).map(|weights| weights.map(|own| &own[*in_path as usize..][..misses.len()]));
             for (component, factor) in colour.into_iter().enumerate() {
                 let seen = &self.components[component][misses.start as usize..misses.end as usize];
-                match weights(path, component) {
+                match own {
                     None => planes.add_run(component, pixel, seen, factor),
-                    Some(weights) => {
-                        let weights = &weights[*in_path as usize..][..seen.len()];
-                        planes.add_weighed_run(component, pixel, (seen, weights), factor);
-                    }
+                    Some(weights) => planes.add_weighed_run(component, pixel, (seen, weights), factor),
                 }
             }
         }

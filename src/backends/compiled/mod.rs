@@ -85,12 +85,13 @@ impl Backend for Jit {
         let surface = compiled.surface.as_ref();
         let surface = surface.map_or(0, |surface| numbers(surface.hits.outputs()) + SurfaceTile::BYTES_PER_HIT as u64);
         let per_record = numbers(frontier.records.len());
+        let seen = if world.environment().is_some() { MissRadiance::BYTES_PER_MISS } else { 0 };
         // Variants have columns of their own, at most as many.
         let copies = if compiled.conditions.is_some() { 2 } else { 1 };
         Ok(Footprint {
             per_hit: copies * numbers(frontier.hits.len()) + surface,
             per_record: copies * per_record,
-            per_miss: if world.environment().is_some() { MissRadiance::BYTES_PER_MISS } else { 0 },
+            per_miss: seen + if compiled.surface.is_some() { SurfaceTile::BYTES_PER_MISS as u64 } else { 0 },
             per_pair,
             per_call,
         })
@@ -330,7 +331,7 @@ impl Compiled {
             uniforms: self.surface_uniforms(parameters),
             weights: parameter_weights(&self.equation, parameters, bodies),
             own,
-            is_live: false,
+            adds_on: None,
         })
     }
 

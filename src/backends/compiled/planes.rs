@@ -1,6 +1,6 @@
 //! The pixels of a tile while colours are added up: planes of red, green and blue.
 //!
-//! Neighbouring hits of a line whose pixels are neighbours too form a [`Segment`], which is added at once. Compiled
+//! Hits of a span that follow each other, and whose pixels are near, form a [`Segment`], which is added at once. Compiled
 //! code adds segments and writes pixels. This module holds the portable code for all other cases. The caller decides
 //! which colours are added with which weights.
 
@@ -67,10 +67,17 @@ impl Planes {
         self.width.dispatch(AddRun { plane, numbers, factor });
     }
 
-    /// Adds numbers times weights times a factor to consecutive pixels of a component. A weight of 0 adds nothing.
-    pub(super) fn add_weighed_run(&mut self, component: usize, pixel: usize, (numbers, weights): (&[f32], &[f32]), factor: f32) {
+    /// Adds numbers times weights times a factor to consecutive pixels of a component. The weights are those of red,
+    /// green and blue; if all are 0, nothing is added, even if the number is infinite.
+    pub(super) fn add_weighed_run(
+        &mut self,
+        component: usize,
+        pixel: usize,
+        (numbers, weights): (&[f32], [&[f32]; 3]),
+        factor: f32,
+    ) {
         let plane = &mut self.planes.0[component][PIXELS][pixel..pixel + numbers.len()];
-        self.width.dispatch(AddWeighedRun { plane, numbers, weights, factor });
+        self.width.dispatch(AddWeighedRun { plane, numbers, weights, component, factor });
     }
 
     /// Adds the first pixels of other planes.
@@ -92,7 +99,7 @@ impl Planes {
     #[inline]
     pub(super) fn add_colour(&mut self, pixel: usize, colour: [f32; 3]) {
         for (plane, component) in self.planes.0.iter_mut().zip(colour) {
-            plane[PIXELS.start + pixel] += component;
+            plane[pixel] += component;
         }
     }
 
@@ -114,7 +121,7 @@ impl Planes {
                 continue;
             }
             for component in channels.components() {
-                self.planes.0[component][PIXELS.start + pixel] += times(weight[component], numbers(sums, component)[sum]);
+                self.planes.0[component][pixel] += times(weight[component], numbers(sums, component)[sum]);
             }
         }
     }
@@ -222,7 +229,8 @@ impl WithSimd for AddRun<'_> {
 struct AddWeighedRun<'a> {
     plane: &'a mut [f32],
     numbers: &'a [f32],
-    weights: &'a [f32],
+    weights: [&'a [f32]; 3],
+    component: usize,
     factor: f32,
 }
 
@@ -231,8 +239,11 @@ impl WithSimd for AddWeighedRun<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        for ((sum, number), weight) in self.plane.iter_mut().zip(self.numbers).zip(self.weights) {
-            *sum += if *weight == 0.0 { 0.0 } else { weight * (self.factor * number) };
+        let [red, green, blue] = self.weights;
+        let weights = self.weights[self.component].iter().zip(red.iter().zip(green).zip(blue));
+        for ((sum, number), (weight, ((red, green), blue))) in self.plane.iter_mut().zip(self.numbers).zip(weights) {
+            let any = red.abs() + green.abs() + blue.abs();
+            *sum += if any == 0.0 { 0.0 } else { weight * (self.factor * number) };
         }
     }
 }
@@ -376,6 +387,41 @@ mod tests {
             }
             // Nothing is written behind the pixels.
             assert!(planes.planes.0.iter().all(|plane| plane[PIXELS.end..].iter().all(|x| *x == 0.0)));
+        }
+    }
+
+    #[test]
+    fn the_last_hits_of_a_chunk_add_to_their_pixels() {
+        // Vectors that begin at the last hits end behind those of the chunk.
+        for gap in [1, 2] {
+            let mut segment = Segment::new(40, CHUNK_HITS as u32 - 3, 1);
+            (1..3).for_each(|hit| assert!(segment.extend(40 + gap * hit)));
+            let mut sums: Sums = [[Line([f32::NAN; 16]); SUM_LINES]; 3];
+            for component in &mut sums {
+                component[SUM_LINES - 2].0[13..].copy_from_slice(&[2.0, 4.0, 6.0]);
+            }
+            for width in Width::supported() {
+                let mut planes = Planes::new(width);
+                add_compiled(&mut planes, &[segment], &mut sums, 0.5, Channels::All);
+                for hit in 0..3_u16 {
+                    assert_eq!(planes.colour(usize::from(40 + gap * hit)), [f32::from(hit + 1); 3], "{width}");
+                }
+                assert_eq!((planes.colour(39), planes.colour(45)), ([0.0; 3], [0.0; 3]), "{width}");
+            }
+        }
+    }
+
+    #[test]
+    fn only_rays_that_are_cut_off_add_nothing_of_an_infinite_radiance() {
+        for width in Width::supported() {
+            let mut planes = Planes::new(width);
+            let (red, green) = ([0.5_f32, 0.0, 0.5], [0.0_f32, 0.0, 0.25]);
+            for component in 0..3 {
+                planes.add_weighed_run(component, 7, (&[f32::INFINITY, f32::INFINITY, 4.0], [&red, &green, &green]), 2.0);
+            }
+            let [first, cut, last] = [7, 8, 9].map(|pixel| planes.colour(pixel));
+            assert!(first[0] == f32::INFINITY && first[1].is_nan() && first[2].is_nan(), "{first:?}");
+            assert_eq!((cut, last), ([0.0; 3], [4.0, 2.0, 2.0]));
         }
     }
 

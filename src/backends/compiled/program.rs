@@ -249,7 +249,7 @@ impl ProgramBuilder<'_, '_> {
             rest = behind;
             let weights = number;
             // Consecutive spans whose weight is not 0 are computed together. The others are skipped. Those whose hits
-            // have weights of their own are added in other ways.
+            // have weights of their own are runs of their own.
             let kind = |span: &Span| if class(span) == WeightClass::Tiny { WeightClass::Ordinary } else { class(span) };
             for run in chunk.chunk_by(|a, b| kind(a) == kind(b)) {
                 let spans = number..number + run.len();

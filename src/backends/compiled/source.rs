@@ -38,9 +38,4 @@ impl ContributionSource<'_> {
         let first = self.first_uniform + pair * self.uniform_count;
         first..first + self.uniform_count
     }
-
-    /// Whether any pair of a body contributes.
-    pub(super) fn is_active_on(&self, body: BodyId) -> bool {
-        self.active[body.index() * self.lights..][..self.lights].contains(&true)
-    }
 }

@@ -3,7 +3,8 @@
 //! Without such a formula the weight of a path is the same for all its hits. With one it differs from hit to hit, so
 //! each hit of a tile is a *node* here, with the node of the hit that its ray comes from. A frame computes the values
 //! of all nodes by a kernel, multiplies the weights along the paths, and adds ambient light, emission and background.
-//! Lit records then find the weight of their hit by its node.
+//! Lit records then find the weight of their hit by its node. Where single precision is enough, vectors do that
+//! ([`plain_weights`]).
 //!
 //! The flat sum over paths is that of the recursive equation only if weights are bounded: ∞·(0 + 1) is ∞, and ∞·0 +
 //! ∞·1 is NaN. The flat sum also cannot tell two rays of weight 0 apart: one that is cut off adds nothing, but one
@@ -48,8 +49,9 @@ pub(super) struct SurfaceSummation<'p> {
     pub(super) weights: Vec<[f32; 2]>,
     /// What is added of the ambient light and the emission of the formula.
     pub(super) own: OwnPart,
-    /// Whether it is the part of a picture that moves in a drag. Then paths that add nothing do not count.
-    pub(super) is_live: bool,
+    /// The bodies where the summation adds anything at hits, if it is the part of a picture that moves in a drag. Then
+    /// other paths do not count.
+    pub(super) adds_on: Option<Vec<bool>>,
 }
 
 /// A part of the ambient light and the emission that a formula gives at every hit.
@@ -69,8 +71,8 @@ pub(super) struct SurfaceScratch {
     /// The weights of the path up to each node, in single precision if that is enough.
     plain: PlainWeights,
     is_plain: bool,
-    /// The same where it is not enough: red, green and blue. Those of the nodes of the camera's rays have no meaning:
-    /// they are 1.
+    /// The weights of the path up to each node where single precision is not enough: red, green and blue. Those of the
+    /// nodes of the camera's rays have no meaning: they are 1.
     exact: Vec<[f64; 3]>,
     /// Whether any node of each path has another weight than 0.
     live: Vec<bool>,
@@ -191,19 +193,17 @@ impl SurfaceSummation<'_> {
     }
 
     /// Computes the weights of all nodes of a tile. Sets the weight of a path to 0 if those of all its nodes are 0. A
-    /// path whose weight is 0 already is left out of the summation, but not the paths that continue it. `adds` tells
-    /// which paths add anything.
+    /// path whose weight is 0 already is left out of the summation, but not the paths that continue it.
     pub(super) fn weigh(
         &self,
         tile: &Tile,
         place: TilePlace,
-        adds: impl Fn(&Path) -> bool,
         path_weights: &mut [Weight],
         scratch: &mut SurfaceScratch,
         width: Width,
     ) {
         let nodes = self.nodes(place);
-        let needed = self.needed(tile, adds);
+        let needed = self.needed(tile);
         self.evaluate(nodes, &self.uniforms, &mut scratch.outputs);
         if let OwnPart::Change(_, uniforms) = &self.own {
             self.evaluate(nodes, uniforms, &mut scratch.others);
@@ -232,8 +232,12 @@ impl SurfaceSummation<'_> {
 
     /// Which paths of a tile count: those that add something, and those on the way to them. All count in pictures: an
     /// infinite weight is seen even if nothing shines there.
-    fn needed(&self, tile: &Tile, adds: impl Fn(&Path) -> bool) -> Vec<bool> {
-        let mut needed: Vec<bool> = tile.paths.iter().map(|path| !self.is_live || adds(path)).collect();
+    fn needed(&self, tile: &Tile) -> Vec<bool> {
+        let adds = |path: &Path| match &self.adds_on {
+            Some(bodies) => path.body.is_some_and(|body| bodies[body.index()]),
+            None => true,
+        };
+        let mut needed: Vec<bool> = tile.paths.iter().map(adds).collect();
         for (index, path) in tile.paths.iter().enumerate().rev() {
             if let Some(parent) = path.parent.filter(|_| needed[index]) {
                 needed[parent.index()] = true;
@@ -367,19 +371,19 @@ impl SurfaceSummation<'_> {
         }
     }
 
-    /// The weights of a component of the rays of a path, in the order of their pixels, after [`weigh`](Self::weigh), if
-    /// single precision is enough for them. `None` for rays of the camera, whose weight is 1.
+    /// The weights of the rays of a path for red, green and blue, in the order of their pixels, after
+    /// [`weigh`](Self::weigh), if single precision is enough for them. `None` for rays of the camera, whose weight is 1.
     pub(super) fn plain_weights<'w>(
         &'w self,
         tile: &'w Tile,
         place: TilePlace,
         scratch: &'w SurfaceScratch,
-    ) -> impl Fn(usize, usize) -> Option<&'w [f32]> {
+    ) -> impl Fn(usize) -> Option<[&'w [f32]; 3]> {
         let (nodes, weights) = (self.nodes(place), &scratch.plain);
-        move |path, component| {
+        move |path| {
             tile.paths[path].parent?;
             let own = nodes.paths[path].start as usize..nodes.paths[path].end as usize;
-            Some(&weights.component(component)[own])
+            Some([0, 1, 2].map(|component| &weights.component(component)[own.clone()]))
         }
     }
 

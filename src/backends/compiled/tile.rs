@@ -6,10 +6,10 @@ use crate::backends::compiled::place::TilePlace;
 use crate::backends::compiled::planes::Planes;
 use crate::backends::compiled::program::{TileInputs, TileProgram};
 use crate::backends::compiled::summation::Summation;
-use crate::backends::compiled::surface::{OwnPart, SurfaceScratch, SurfaceSummation};
+use crate::backends::compiled::surface::{SurfaceScratch, SurfaceSummation};
 use crate::evaluate::weights::Weight;
 use crate::jit::{Sums, Width, fetch};
-use crate::trace::{CHUNK_HITS, Path, Tile};
+use crate::trace::{CHUNK_HITS, Tile};
 
 /// How a summation treats the pixels that are in the planes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -152,7 +152,7 @@ impl Summation<'_> {
         scratch: &mut TileScratch,
     ) {
         let width = scratch.planes.width();
-        surface.weigh(tile, place, |path| self.adds(path), &mut scratch.weights, &mut scratch.surface, width);
+        surface.weigh(tile, place, &mut scratch.weights, &mut scratch.surface, width);
         let TileScratch { planes, weights, surface: nodes, .. } = scratch;
         if accumulate == Accumulate::Overwrite {
             planes.clear();
@@ -160,13 +160,6 @@ impl Summation<'_> {
         surface.add_own(tile, place, weights, nodes, (&self.at_hits, self.at_misses), |pixel, colour| {
             planes.add_colour(pixel, colour);
         });
-    }
-
-    /// Whether anything is added at the ends of the rays of a path.
-    fn adds(&self, path: &Path) -> bool {
-        let Some(body) = path.body else { return self.at_misses != [0.0; 3] || self.environment != [0.0; 3] };
-        let gives = self.surface.as_ref().is_some_and(|surface| !matches!(surface.own, OwnPart::None));
-        gives || self.at_hits[body.index()] != [0.0; 3] || self.sources.iter().any(|source| source.is_active_on(body))
     }
 
     /// Adds the terms without lights. They are the same for all pixels of a region.

@@ -110,8 +110,10 @@ impl CallList {
     /// pixels: all components, or one (0 red, 1 green, 2 blue). The weights of their chunk begin at index `weights`.
     /// For each segment it prefetches some lines of [`Operands::next_lines`], from index `next_lines` on.
     ///
+    /// The segments of [`run`](Self::run) must be the same: the code depends on whether they have gaps.
+    ///
     /// # Panics
-    /// If there are no such segments or no such component.
+    /// If `all` has fewer segments, or there is no such component.
     pub fn add(
         &mut self,
         code: &'static PixelCode,

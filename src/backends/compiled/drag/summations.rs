@@ -205,10 +205,13 @@ impl DragKernels {
         let (mut source, uniforms) = compiled.source(parameters, contribution, leaves, plan.moving_channels());
         source.active = compiled.active(parameters, |body, light| plan.moves_pair(body, light));
         let bodies = 0..compiled.equation.layout.owners(Owner::Body);
-        let at_hits = bodies.map(|body| plan.moving(Site::Hit, parameters, body)).collect();
+        let at_hits = bodies.clone().map(|body| plan.moving(Site::Hit, parameters, body)).collect();
         let mut summation = compiled.empty_summation(at_hits, [0.0; 3], plan.channels);
         let surface = compiled.surface_summation(parameters, OwnPart::None);
-        summation.surface = surface.map(|surface| SurfaceSummation { is_live: true, ..surface });
+        let lights = compiled.equation.layout.owners(Owner::Light);
+        let adds = |body: usize| plan.moves_hits(body) || (0..lights).any(|light| plan.moves_pair(body, light));
+        let adds_on = bodies.map(adds).collect();
+        summation.surface = surface.map(|surface| SurfaceSummation { adds_on: Some(adds_on), ..surface });
         summation.push(source, uniforms);
         Some(summation)
     }

@@ -43,8 +43,12 @@ pub(super) struct NodesOnBody {
 
 impl SurfaceTile {
     /// The memory that a hit takes beside its static values, in bytes, scratch memory of a frame included.
-    pub(in crate::backends::compiled) const BYTES_PER_HIT: usize =
-        size_of::<u16>() + 2 * size_of::<u32>() + size_of::<[f64; 3]>() + 12 * size_of::<f32>();
+    pub(in crate::backends::compiled) const BYTES_PER_HIT: usize = Self::BYTES_PER_MISS + size_of::<u32>() + 3 * size_of::<f32>();
+
+    /// The memory that a ray takes which left the scene, in bytes: its pixel and the node that it comes from, and in a
+    /// frame its weights, exact or in single precision with those of the next rays.
+    pub(in crate::backends::compiled) const BYTES_PER_MISS: usize =
+        size_of::<u16>() + size_of::<u32>() + size_of::<[f64; 3]>() + 9 * size_of::<f32>();
 
     /// The nodes of all tiles, with their static values, and these textures.
     pub(in crate::backends::compiled) fn of_tiles(

@@ -1,5 +1,5 @@
-//! The weights of nodes in single precision, for tiles where that is enough: every weight is 0 or neither very small
-//! nor very large.
+//! The weights of nodes in single precision, for tiles where that is enough: every weight is of a usual size, or 0
+//! because a factor is 0. In a tile of coloured weights, no weight is black unless its ray is cut off.
 //!
 //! Weights of most formulas are the same for red, green and blue. Then there is one number for each node instead of
 //! three.

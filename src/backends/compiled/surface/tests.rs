@@ -50,7 +50,7 @@ fn compared(weights: &str) -> Found {
         let summation = compiled.surface_summation(values.numbers(), OwnPart::None).expect("weights");
         let mut scratch = SurfaceScratch::default();
         let mut path_weights = vec![Weight(1.0); tile.paths.len()];
-        summation.weigh(tile, place, |_| true, &mut path_weights, &mut scratch, compiled.width());
+        summation.weigh(tile, place, &mut path_weights, &mut scratch, compiled.width());
         found.tiles += 1;
         found.plain += usize::from(scratch.is_plain);
         if !scratch.is_plain {
