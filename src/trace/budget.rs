@@ -18,8 +18,8 @@ const PIXELS_PER_SAMPLE: u32 = 64;
 const MIN_SAMPLES: u32 = 512;
 /// at most this many.
 const MAX_SAMPLES: u32 = 20_000;
-/// What the store is estimated to take for a hit or a miss, in bytes: at most eight for its pixel, the rest for its share
-/// of paths and spans. Large scenes stay below it.
+/// What the store is estimated to take for a hit or a miss, in bytes: at most eight for its pixel, the rest for its
+/// share of paths and spans. Large scenes stay below it.
 pub(super) const STORE_BYTES_PER_HIT: u64 = 10;
 
 /// The memory that a picture may take, and what its evaluation will add to the store of hits.

@@ -282,7 +282,8 @@ fn pictures_of_several_passes_are_measured_beside_those_of_one() {
     let table = told(folder.path(), "bench session.toml --runs 1 --samples 3 --slider ball.kd");
     assert!(table.contains("3 passes") && table.matches(" x ").count() == 2, "{table}");
     // Each thread that has work has memory of its own, so the memory of several threads may differ.
-    let output = run(folder.path(), "bench session.toml --runs 2 --samples 3 --slider ball.kd --slider ball.h --json --threads 1");
+    let output =
+        run(folder.path(), "bench session.toml --runs 2 --samples 3 --slider ball.kd --slider ball.h --json --threads 1");
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let number = |pointer: &str| json.pointer(pointer).and_then(serde_json::Value::as_f64).unwrap_or_default();
     for name in ["passes", "trace_ms", "prepare_ms", "full_ms", "one_pass_ms", "bytes_per_pixel"] {

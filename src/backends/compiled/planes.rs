@@ -1,8 +1,8 @@
 //! The pixels of a tile while colours are added up: planes of red, green and blue.
 //!
-//! Hits of a span that follow each other, and whose pixels are near, form a [`Segment`], which is added at once. Compiled
-//! code adds segments and writes pixels. This module holds the portable code for all other cases. The caller decides
-//! which colours are added with which weights.
+//! Hits of a span that follow each other, and whose pixels are near, form a [`Segment`], which is added at once.
+//! Compiled code adds segments and writes pixels. This module holds the portable code for all other cases. The caller
+//! decides which colours are added with which weights.
 
 use crate::backends::compiled::surface::{HitWeights, times};
 use crate::evaluate::weights::Weight;

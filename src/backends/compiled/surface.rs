@@ -372,7 +372,8 @@ impl SurfaceSummation<'_> {
     }
 
     /// The weights of the rays of a path for red, green and blue, in the order of their pixels, after
-    /// [`weigh`](Self::weigh), if single precision is enough for them. `None` for rays of the camera, whose weight is 1.
+    /// [`weigh`](Self::weigh), if single precision is enough for them. `None` for rays of the camera, whose weight is
+    /// 1.
     pub(super) fn plain_weights<'w>(
         &'w self,
         tile: &'w Tile,
