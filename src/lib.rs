@@ -76,6 +76,8 @@ pub mod import;
 
 pub mod assist;
 
+pub mod export;
+
 #[cfg(any(feature = "cli", feature = "window"))]
 pub mod user_data;
 

@@ -9,6 +9,7 @@ mod completions;
 mod draw;
 mod dump;
 mod engine;
+mod export;
 mod fmt;
 mod hits;
 mod import;
@@ -56,6 +57,8 @@ enum Command {
     Sweep(sweep::Options),
     /// Make a scene and a session of a model from another program
     Import(import::Options),
+    /// Write a formula in C or a shading language
+    Export(export::Options),
     /// Check formulas, scenes, sessions and material libraries for mistakes
     Check(check::Options),
     /// Give formulas and scenes a regular layout: lines, spaces, columns
@@ -103,6 +106,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Render(options) => render::run(&options),
         Command::Sweep(options) => sweep::run(&options),
         Command::Import(options) => import::run(&options),
+        Command::Export(options) => export::run(&options),
         Command::Check(options) => check::run(&options),
         Command::Fmt(options) => fmt::run(&options),
         Command::Lsp => lsp::run(),

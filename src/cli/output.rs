@@ -68,12 +68,12 @@ fn check_picture(path: &Path) -> Result<Format, Failure> {
     Ok(format)
 }
 
-/// Checks that a picture does not overwrite one of its own input files.
+/// Checks that an output does not overwrite one of its own input files.
 pub(super) fn check_distinct(path: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
     let Ok(target) = path.canonicalize() else { return Ok(()) };
     match inputs.iter().find(|input| input.canonicalize().is_ok_and(|input| input == target)) {
         Some(input) => {
-            Err(Failure::command_line(format!("the picture would overwrite `{}`, which it is made from", input.display())))
+            Err(Failure::command_line(format!("the output would overwrite `{}`, which it is made from", input.display())))
         }
         None => Ok(()),
     }

@@ -17,6 +17,11 @@ const PERMUTATION: [u8; 256] = [
     72, 243, 141, 128, 195, 78, 66, 215, 61, 156, 180,
 ];
 
+/// Perlin's permutation, for noise in other languages.
+pub fn permutation() -> &'static [u8; 256] {
+    &PERMUTATION
+}
+
 /// The largest number of octaves.
 const MAX_OCTAVES: f64 = 32.0;
 

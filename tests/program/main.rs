@@ -5,6 +5,7 @@
 mod diagnostics;
 mod encoding;
 mod endings;
+mod export;
 mod files;
 mod fmt;
 mod habits;

@@ -268,7 +268,7 @@ fn numbered_pictures_do_not_overwrite_what_they_are_made_from() {
     let folder = folder();
     std::os::unix::fs::symlink("model.txt", folder.path().join("linked-2.png")).expect("a link");
     let said = told(folder.path(), "sweep session.toml -o linked-%d.png --vary ball.kd=0..1:3");
-    assert_eq!(said, "Error: the picture would overwrite `model.txt`, which it is made from\nexit status 2\n");
+    assert_eq!(said, "Error: the output would overwrite `model.txt`, which it is made from\nexit status 2\n");
     assert!(!folder.path().join("linked-1.png").exists());
 }
 

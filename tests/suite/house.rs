@@ -13,7 +13,7 @@ use tokens::{Token, tokens, without_tests};
 
 /// Each room with the rooms that it may import. Data flows one way: text → AST → formula → plans → backends; scene →
 /// world → hits → evaluation → picture. The workspace and the window use all of this, and the program uses them.
-const ROOMS: [(&str, &[&str]); 24] = [
+const ROOMS: [(&str, &[&str]); 25] = [
     ("files", &[]),
     ("simd", &[]),
     ("texture", &[]),
@@ -40,6 +40,7 @@ const ROOMS: [(&str, &[&str]); 24] = [
     ),
     ("import", &["files", "lang", "mesh", "scene", "trace", "picture", "workspace"]),
     ("assist", &["lang", "formula", "scene", "workspace"]),
+    ("export", &["lang", "formula"]),
     // Settings name a backend, and the transfer of new sessions.
     ("user_data", &["files", "lang", "trace", "picture", "backends", "workspace"]),
     (

@@ -1,0 +1,272 @@
+//! How each target language spells types, numbers and operations: a row for each language.
+
+use crate::lang::builtins::Operation;
+use crate::lang::scalars::Primitive;
+use crate::lang::types::Type;
+
+/// The languages, for what differs in more than words.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Language {
+    C,
+    Glsl,
+    Hlsl,
+    Wgsl,
+}
+
+/// A language that formulas are written in.
+pub(super) struct Dialect {
+    pub(super) language: Language,
+    /// Its name on the command line.
+    pub(super) name: &'static str,
+    /// What it is, for help.
+    pub(super) doc: &'static str,
+    pub(super) scalar: &'static str,
+    pub(super) vector: &'static str,
+    pub(super) truth: &'static str,
+    /// What makes a vector of three numbers.
+    pub(super) make_vector: &'static str,
+    /// What stands behind each number.
+    pub(super) number_suffix: &'static str,
+    /// Whether operators and functions take vectors.
+    pub(super) has_vectors: bool,
+    /// How values are declared, and functions begin.
+    pub(super) declarations: Declarations,
+    /// Functions of the language with the meaning of an operation.
+    pub(super) natives: &'static [(Operation, &'static str)],
+    /// Functions of the language for primitives that are not called by their own names.
+    pub(super) primitives: &'static [(Primitive, &'static str)],
+    /// Words that no name may be: keywords, types, and functions of the language.
+    pub(super) reserved: &'static str,
+    /// How a texture is looked up: `{t}` is its name, `{u}` and `{v}` are the coordinates. The point (0, 0) is the
+    /// lower left corner of the image.
+    pub(super) lookup: &'static str,
+    /// What every file begins with.
+    pub(super) prologue: &'static str,
+    /// What files have beside, if they use it: `power`, and noise.
+    pub(super) power: &'static str,
+    pub(super) noise: &'static str,
+}
+
+/// How values are declared, and functions begin.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Declarations {
+    /// `float x = 1.0;` and `float f(float x) {`
+    TypeFirst {
+        /// What stands before a value that does not change.
+        constant: &'static str,
+        /// What stands before a function.
+        function: &'static str,
+    },
+    /// `let x = 1.0;` and `fn f(x: f32) -> f32 {`; conditions select from two values.
+    Let,
+}
+
+impl Dialect {
+    pub(super) fn ty(&self, ty: Type) -> &'static str {
+        match ty {
+            Type::Scalar | Type::Texture => self.scalar,
+            Type::Vector => self.vector,
+            Type::Truth => self.truth,
+        }
+    }
+
+    /// A number. Formulas have finite ones only.
+    pub(super) fn number(&self, number: f32) -> String {
+        format!("{number:?}{}", self.number_suffix)
+    }
+
+    /// The declaration of a value.
+    pub(super) fn value(&self, ty: Type, name: &str, value: &str) -> String {
+        match self.declarations {
+            Declarations::TypeFirst { constant, .. } => format!("{constant}{} {name} = {value};", self.ty(ty)),
+            Declarations::Let => format!("let {name} = {value};"),
+        }
+    }
+
+    /// The first line of a function.
+    pub(super) fn function(&self, result: Type, name: &str, parameters: &[String]) -> String {
+        let parameters = parameters.join(", ");
+        match self.declarations {
+            Declarations::TypeFirst { function, .. } => format!("{function}{} {name}({parameters}) {{", self.ty(result)),
+            Declarations::Let => format!("fn {name}({parameters}) -> {} {{", self.ty(result)),
+        }
+    }
+
+    /// A parameter of a function.
+    pub(super) fn parameter(&self, ty: Type, name: &str) -> String {
+        match self.declarations {
+            Declarations::TypeFirst { .. } => format!("{} {name}", self.ty(ty)),
+            Declarations::Let => format!("{name}: {}", self.ty(ty)),
+        }
+    }
+
+    /// One value or another. All operands are names, numbers or in parentheses.
+    pub(super) fn select(&self, condition: &str, then: &str, other: &str) -> String {
+        match self.declarations {
+            Declarations::TypeFirst { .. } => format!("{condition} ? {then} : {other}"),
+            Declarations::Let => format!("select({other}, {then}, {condition})"),
+        }
+    }
+
+    /// The function for an operation, if the language has one.
+    pub(super) fn native(&self, operation: Operation) -> Option<&'static str> {
+        self.natives.iter().find(|(known, _)| *known == operation).map(|(_, name)| *name)
+    }
+
+    /// The function for a primitive.
+    pub(super) fn primitive(&self, primitive: Primitive) -> &'static str {
+        let special = self.primitives.iter().find(|(known, _)| *known == primitive);
+        let own = if primitive == Primitive::Perlin { "noise_sum" } else { primitive.name() };
+        special.map_or(own, |(_, name)| name)
+    }
+}
+
+/// Functions that shading languages call as formulas do.
+macro_rules! shading_natives {
+    ($($more:ident $name:literal),*) => {
+        &[
+            (Operation::DotVV, "dot"), (Operation::Dot, "dot"), (Operation::Cross, "cross"),
+            (Operation::Normalize, "normalize"), (Operation::Length, "length"), (Operation::Distance, "distance"),
+            (Operation::Reflect, "reflect"), (Operation::Sqrt, "sqrt"), (Operation::Floor, "floor"),
+            (Operation::Ceil, "ceil"), (Operation::Exp, "exp"), (Operation::Exp2, "exp2"), (Operation::Log, "log"),
+            (Operation::Log2, "log2"), (Operation::Sin, "sin"), (Operation::Cos, "cos"), (Operation::Tan, "tan"),
+            (Operation::Asin, "asin"), (Operation::Acos, "acos"), (Operation::Atan, "atan"), (Operation::Abs, "abs"),
+            (Operation::Sign, "sign"), (Operation::Step, "step"), (Operation::Smoothstep, "smoothstep"),
+            (Operation::Tanh, "tanh"), (Operation::MinSS, "min"), (Operation::MinVV, "min"), (Operation::MaxSS, "max"),
+            (Operation::MaxVV, "max"), (Operation::Clamp, "clamp"), (Operation::Radians, "radians"),
+            $((Operation::$more, $name)),*
+        ]
+    };
+}
+
+/// The languages.
+pub(super) const DIALECTS: [Dialect; 4] = [
+    Dialect {
+        language: Language::C,
+        name: "c",
+        doc: "C99",
+        scalar: "float",
+        vector: "vec3",
+        truth: "bool",
+        make_vector: "make_vec3",
+        number_suffix: "f",
+        has_vectors: false,
+        declarations: Declarations::TypeFirst { constant: "const ", function: "static inline " },
+        natives: &[
+            (Operation::Sqrt, "sqrtf"),
+            (Operation::Floor, "floorf"),
+            (Operation::Ceil, "ceilf"),
+            (Operation::Exp, "expf"),
+            (Operation::Exp2, "exp2f"),
+            (Operation::Log, "logf"),
+            (Operation::Log2, "log2f"),
+            (Operation::Sin, "sinf"),
+            (Operation::Cos, "cosf"),
+            (Operation::Tan, "tanf"),
+            (Operation::Asin, "asinf"),
+            (Operation::Acos, "acosf"),
+            (Operation::Atan, "atanf"),
+            (Operation::Atan2, "atan2f"),
+            (Operation::Abs, "fabsf"),
+            (Operation::PowerSS, "powf"),
+            (Operation::Pow, "powf"),
+        ],
+        primitives: &[
+            (Primitive::Sqrt, "sqrtf"),
+            (Primitive::Floor, "floorf"),
+            (Primitive::Ceil, "ceilf"),
+            (Primitive::Abs, "fabsf"),
+            (Primitive::Exp, "expf"),
+            (Primitive::Exp2, "exp2f"),
+            (Primitive::Log, "logf"),
+            (Primitive::Log2, "log2f"),
+            (Primitive::Pow, "powf"),
+            (Primitive::Sin, "sinf"),
+            (Primitive::Cos, "cosf"),
+            (Primitive::Tan, "tanf"),
+            (Primitive::Asin, "asinf"),
+            (Primitive::Acos, "acosf"),
+            (Primitive::Atan, "atanf"),
+            (Primitive::Atan2, "atan2f"),
+        ],
+        reserved: include_str!("reserved/c.txt"),
+        lookup: "{t}({u}, {v})",
+        prologue: include_str!("prelude/vectors.c"),
+        power: "",
+        noise: include_str!("prelude/noise.c"),
+    },
+    Dialect {
+        language: Language::Glsl,
+        name: "glsl",
+        doc: "GLSL 4.50, for OpenGL and Vulkan",
+        scalar: "float",
+        vector: "vec3",
+        truth: "bool",
+        make_vector: "vec3",
+        number_suffix: "",
+        has_vectors: true,
+        declarations: Declarations::TypeFirst { constant: "", function: "" },
+        natives: shading_natives!(Fract "fract", Mod "mod", MixS "mix", MixV "mix", LerpS "mix", LerpV "mix", Atan2 "atan",
+            PowerSS "power", Pow "power"),
+        primitives: &[(Primitive::Atan2, "atan"), (Primitive::Pow, "power")],
+        reserved: include_str!("reserved/glsl.txt"),
+        lookup: "texture({t}, vec2({u}, {v})).rgb",
+        prologue: "#version 450\n",
+        power: include_str!("prelude/power.glsl"),
+        noise: include_str!("prelude/noise.glsl"),
+    },
+    Dialect {
+        language: Language::Hlsl,
+        name: "hlsl",
+        doc: "HLSL, shader model 5",
+        scalar: "float",
+        vector: "float3",
+        truth: "bool",
+        make_vector: "float3",
+        number_suffix: "",
+        has_vectors: true,
+        declarations: Declarations::TypeFirst { constant: "", function: "" },
+        natives: shading_natives!(Fract "frac", MixS "lerp", MixV "lerp", LerpS "lerp", LerpV "lerp", Atan2 "atan2",
+            PowerSS "power", Pow "power"),
+        primitives: &[(Primitive::Pow, "power")],
+        reserved: include_str!("reserved/hlsl.txt"),
+        lookup: "{t}.SampleLevel({t}_sampler, float2({u}, 1.0 - ({v})), 0.0).rgb",
+        prologue: "",
+        power: include_str!("prelude/power.hlsl"),
+        noise: include_str!("prelude/noise.hlsl"),
+    },
+    Dialect {
+        language: Language::Wgsl,
+        name: "wgsl",
+        doc: "WGSL, for WebGPU",
+        scalar: "f32",
+        vector: "vec3f",
+        truth: "bool",
+        make_vector: "vec3f",
+        number_suffix: "",
+        has_vectors: true,
+        declarations: Declarations::Let,
+        natives: shading_natives!(Fract "fract", MixS "mix", MixV "mix", LerpS "mix", LerpV "mix", Atan2 "atan2",
+            PowerSS "power", Pow "power"),
+        primitives: &[(Primitive::Pow, "power")],
+        reserved: include_str!("reserved/wgsl.txt"),
+        lookup: "textureSampleLevel({t}, {t}_sampler, vec2f({u}, 1.0 - ({v})), 0.0).rgb",
+        prologue: "",
+        power: include_str!("prelude/power.wgsl"),
+        noise: include_str!("prelude/noise.wgsl"),
+    },
+];
+
+/// The names of the functions that files may begin with.
+pub(super) const PRELUDE: [&str; 10] = [
+    "power",
+    "noise",
+    "noise_sum",
+    "noise_3d",
+    "noise_fade",
+    "noise_mix",
+    "noise_at",
+    "noise_lattice",
+    "noise_gradient",
+    "PERMUTATION",
+];

@@ -1,0 +1,373 @@
+//! Writes an expression of a formula as a function of a target language.
+//!
+//! Macros become values of their names. Other expressions become values if they are used more than once or are long;
+//! the rest is written in place.
+
+use crate::export::dialect::Dialect;
+use crate::export::helpers::helper_name;
+use crate::export::names::FreeNames;
+use crate::formula::{Formula, ParameterId, Term, TermId};
+use crate::lang::builtins::{Form, Operation};
+use crate::lang::token::Mark;
+use crate::lang::types::Type;
+use crate::lang::variables::Variable;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+/// Longer expressions become values of their own.
+const LONGEST: usize = 90;
+
+/// How an expression binds, from names and calls to conditionals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Precedence {
+    Atom,
+    Prefix,
+    Product,
+    Sum,
+    Comparison,
+    Equality,
+    And,
+    Or,
+    Conditional,
+}
+
+/// A written expression.
+#[derive(Debug, Clone)]
+struct TargetText {
+    text: String,
+    precedence: Precedence,
+    ty: Type,
+}
+
+impl TargetText {
+    fn atom(text: String, ty: Type) -> Self {
+        Self { text, precedence: Precedence::Atom, ty }
+    }
+
+    /// As an operand that must bind at least so.
+    fn within(&self, least: Precedence) -> String {
+        if self.precedence <= least { self.text.clone() } else { format!("({})", self.text) }
+    }
+}
+
+/// What functions of a file share.
+pub(super) struct Shared<'s> {
+    pub(super) dialect: &'s Dialect,
+    pub(super) formula: &'s Formula,
+    /// How each used parameter is read.
+    pub(super) parameters: HashMap<ParameterId, String>,
+    /// What stands before the parameters of each function.
+    pub(super) first_parameter: Option<String>,
+    pub(super) names: FreeNames,
+    /// The operations that need a function.
+    pub(super) helpers: BTreeSet<Operation>,
+}
+
+/// A function that is being written.
+struct Function<'f, 's> {
+    shared: &'f mut Shared<'s>,
+    names: FreeNames,
+    statements: Vec<String>,
+    /// The variables that are parameters of the function.
+    variables: BTreeMap<Variable, TargetText>,
+}
+
+/// Writes the function of an expression, with this name. `doc` says what it returns.
+pub(super) fn function(shared: &mut Shared, name: &str, doc: &str, root: TermId) -> String {
+    let formula = shared.formula;
+    let mut order = formula.terms_of(root);
+    order.reverse();
+    let mut uses: HashMap<TermId, usize> = HashMap::new();
+    order.iter().flat_map(|id| formula.term(*id).operands()).for_each(|operand| *uses.entry(*operand).or_default() += 1);
+    let macros: HashMap<TermId, &str> = formula.macros.iter().map(|(name, id)| (*id, &**name)).collect();
+    let names = shared.names.inside();
+    let mut function = Function { shared, names, statements: Vec::new(), variables: BTreeMap::new() };
+    // Parameters first, so that they have their names.
+    let read = order.iter().filter_map(|id| match formula.term(*id) {
+        Term::Variable(variable) => Some(*variable),
+        Term::Number(_) | Term::Parameter(_) | Term::Apply(..) | Term::ByComponents(..) => None,
+    });
+    read.for_each(|variable| _ = function.variable(variable));
+    let mut written: HashMap<TermId, TargetText> = HashMap::new();
+    for id in &order {
+        let term = formula.term(*id);
+        let own = match term {
+            Term::Number(number) => function.number(*number),
+            Term::Variable(variable) => function.variable(*variable),
+            Term::Parameter(parameter) => {
+                TargetText::atom(function.shared.parameters[parameter].clone(), formula.parameter(*parameter).ty)
+            }
+            Term::Apply(operation, operands) => {
+                let operands = operands.iter().map(|operand| written[operand].clone()).collect();
+                function.apply(*operation, operands)
+            }
+            Term::ByComponents(operation, operands) => {
+                let operands = operands.iter().map(|operand| written[operand].clone()).collect();
+                function.by_components(*operation, operands)
+            }
+        };
+        let is_leaf = term.operands().is_empty();
+        let is_shared = uses.get(id).is_some_and(|uses| *uses > 1) || own.text.len() > LONGEST && *id != root;
+        let own = match macros.get(id).filter(|_| !is_leaf) {
+            Some(name) => function.value(name, own),
+            None if is_shared && !is_leaf => function.value("v", own),
+            None => own,
+        };
+        written.insert(*id, own);
+    }
+    let result = &written[&root];
+    function.finish(name, doc, result)
+}
+
+impl Function<'_, '_> {
+    /// The function with its documentation.
+    fn finish(self, name: &str, doc: &str, result: &TargetText) -> String {
+        let Self { shared, statements, variables, .. } = self;
+        let mut lines = vec![format!("// {doc}")];
+        let base = || variables.iter().filter(|(variable, _)| !is_derived(**variable));
+        lines.extend(base().map(|(variable, own)| format!("// {}: {}", own.text, variable.doc())));
+        let own = base().map(|(variable, own)| shared.dialect.parameter(variable.ty(), &own.text));
+        let parameters: Vec<String> = shared.first_parameter.iter().cloned().chain(own).collect();
+        lines.push(shared.dialect.function(result.ty, name, &parameters));
+        lines.extend(statements.iter().map(|statement| format!("    {statement}")));
+        lines.push(format!("    return {};", result.text));
+        lines.push("}\n".to_owned());
+        lines.join("\n")
+    }
+
+    /// Declares a value. Its name is the wanted one, if that is free.
+    fn value(&mut self, wanted: &str, value: TargetText) -> TargetText {
+        let name = self.names.take(wanted);
+        self.statements.push(self.shared.dialect.value(value.ty, &name, &value.text));
+        TargetText::atom(name, value.ty)
+    }
+
+    fn number(&mut self, number: f32) -> TargetText {
+        let text = self.shared.dialect.number(number);
+        let precedence = if text.starts_with('-') { Precedence::Prefix } else { Precedence::Atom };
+        TargetText { text, precedence, ty: Type::Scalar }
+    }
+
+    /// A variable: a parameter of the function, or a value that follows from others.
+    fn variable(&mut self, variable: Variable) -> TargetText {
+        if let Some(known) = self.variables.get(&variable) {
+            return known.clone();
+        }
+        let written = match self.derived(variable) {
+            Some(value) => self.value(variable.name(), value),
+            None => TargetText::atom(self.names.take(variable.name()), variable.ty()),
+        };
+        self.variables.insert(variable, written.clone());
+        written
+    }
+
+    /// A variable that follows from others, by its definition in the manual.
+    fn derived(&mut self, variable: Variable) -> Option<TargetText> {
+        use Operation::{Acos, AddVV, Cross, Greater, IfV, Length, MulSS, MulSV, Normalize, SubVV, UnitDotVV};
+        let angle = |function: &mut Self, from: Variable, to: Variable| {
+            let (from, to) = (function.variable(from), function.variable(to));
+            let cosine = function.apply(UnitDotVV, vec![from, to]);
+            function.apply(Acos, vec![cosine])
+        };
+        Some(match variable {
+            Variable::Mirrored => {
+                let (normal, light) = (self.variable(Variable::Normal), self.variable(Variable::ToLight));
+                let cosine = self.apply(Operation::DotVV, vec![normal.clone(), light.clone()]);
+                let two = self.number(2.0);
+                let twice = self.apply(MulSS, vec![two, cosine]);
+                let along = self.apply(MulSV, vec![twice, normal]);
+                self.apply(SubVV, vec![along, light])
+            }
+            Variable::Halfway => {
+                let (light, view) = (self.variable(Variable::ToLight), self.variable(Variable::ToViewer));
+                let normal = self.variable(Variable::Normal);
+                let sum = self.apply(AddVV, vec![light, view]);
+                let sum = self.value("sum", sum);
+                let (length, zero) = (self.apply(Length, vec![sum.clone()]), self.number(0.0));
+                let has_direction = self.apply(Greater, vec![length, zero]);
+                let direction = self.apply(Normalize, vec![sum]);
+                self.apply(IfV, vec![has_direction, direction, normal])
+            }
+            Variable::Bitangent => {
+                let (normal, tangent) = (self.variable(Variable::Normal), self.variable(Variable::Tangent));
+                self.apply(Cross, vec![normal, tangent])
+            }
+            Variable::Alpha => angle(self, Variable::Normal, Variable::ToLight),
+            Variable::Beta => angle(self, Variable::Mirrored, Variable::ToViewer),
+            Variable::Gamma => angle(self, Variable::Normal, Variable::ToViewer),
+            Variable::Normal
+            | Variable::ToLight
+            | Variable::ToViewer
+            | Variable::Point
+            | Variable::RelativeIndex
+            | Variable::TotalReflection
+            | Variable::Tangent
+            | Variable::GeometricNormal
+            | Variable::SurfaceU
+            | Variable::SurfaceV
+            | Variable::Distance
+            | Variable::Visible
+            | Variable::Radiance
+            | Variable::SampleWeight
+            | Variable::WeightedRadiance => return None,
+        })
+    }
+
+    /// An operation on written operands.
+    fn apply(&mut self, operation: Operation, operands: Vec<TargetText>) -> TargetText {
+        let dialect = self.shared.dialect;
+        let wanted = operation.operands().iter().zip(operands);
+        let operands: Vec<TargetText> = wanted.map(|(ty, operand)| self.as_type(operand, *ty)).collect();
+        let ty = operation.result();
+        let takes_all = dialect.has_vectors || !operation.operands().contains(&Type::Vector);
+        match (operation, operation.form(), &*operands) {
+            (_, Form::Infix(mark), [x, y]) if takes_all && operator(mark).is_some() => {
+                let (symbol, precedence) = operator(mark).unwrap_or(("+", Precedence::Sum));
+                // The right operand of a difference or a quotient must bind closer, and sums stay in their order.
+                let right = if precedence == Precedence::Product { Precedence::Prefix } else { previous(precedence) };
+                // Compilers warn where different comparisons and conditions meet without parentheses.
+                let left = if precedence <= Precedence::Sum { precedence } else { right };
+                let text = format!("{} {symbol} {}", x.within(left), y.within(right));
+                TargetText { text, precedence, ty }
+            }
+            (_, Form::Prefix(Mark::Minus), [x]) if takes_all => {
+                TargetText { text: format!("-{}", x.within(Precedence::Atom)), precedence: Precedence::Prefix, ty }
+            }
+            (_, Form::Prefix(_), [x]) if ty == Type::Truth => {
+                TargetText { text: format!("!{}", x.within(Precedence::Atom)), precedence: Precedence::Prefix, ty }
+            }
+            (Operation::MakeVector, _, operands) => TargetText::atom(call(dialect.make_vector, operands), ty),
+            (Operation::Spread, _, [x]) => {
+                let x = if x.precedence == Precedence::Atom { x.clone() } else { self.value("v", x.clone()) };
+                TargetText::atom(call(dialect.make_vector, &[x.clone(), x.clone(), x]), ty)
+            }
+            (Operation::GetX, _, [v]) => TargetText::atom(format!("{}.x", v.within(Precedence::Atom)), ty),
+            (Operation::GetY, _, [v]) => TargetText::atom(format!("{}.y", v.within(Precedence::Atom)), ty),
+            (Operation::GetZ, _, [v]) => TargetText::atom(format!("{}.z", v.within(Precedence::Atom)), ty),
+            (_, Form::Conditional, [condition, then, other]) => {
+                let [condition, then, other] = [condition, then, other].map(|operand| operand.within(Precedence::Atom));
+                TargetText { text: dialect.select(&condition, &then, &other), precedence: Precedence::Conditional, ty }
+            }
+            (Operation::TextureColour, _, [texture, u, v]) => {
+                let text = dialect.lookup.replace("{t}", &texture.text).replace("{u}", &u.text).replace("{v}", &v.text);
+                TargetText::atom(text, ty)
+            }
+            (Operation::UnitDotVV, _, [x, y]) if dialect.has_vectors => {
+                let cosine = self.apply(Operation::DotVV, vec![x.clone(), y.clone()]);
+                let (low, high) = (self.number(-1.0), self.number(1.0));
+                self.apply(Operation::Clamp, vec![cosine, low, high])
+            }
+            (Operation::PowerSS | Operation::Pow, _, [base, exponent]) if dialect.has_vectors => {
+                self.power(base, exponent, operation)
+            }
+            (Operation::Pi, ..) => self.number(std::f32::consts::PI),
+            (operation, _, operands) => match dialect.native(operation) {
+                Some(name) => TargetText::atom(call(name, operands), ty),
+                None => {
+                    self.shared.helpers.insert(operation);
+                    TargetText::atom(call(&helper_name(operation), operands), ty)
+                }
+            },
+        }
+    }
+
+    /// A power. Small whole exponents become products: no shading language has a fast function for them.
+    fn power(&mut self, base: &TargetText, exponent: &TargetText, operation: Operation) -> TargetText {
+        let Some((_, times)) = PRODUCTS.iter().find(|(text, _)| *text == exponent.text) else {
+            let name = self.shared.dialect.native(operation).unwrap_or("pow");
+            return TargetText::atom(call(name, &[base.clone(), exponent.clone()]), Type::Scalar);
+        };
+        let is_name = base.precedence == Precedence::Atom && !base.text.contains('(');
+        let base = if is_name { base.clone() } else { self.value("v", base.clone()) };
+        let text = vec![&*base.text; *times].join(" * ");
+        TargetText { text, precedence: Precedence::Product, ty: Type::Scalar }
+    }
+
+    /// An operation for each component of vectors.
+    fn by_components(&mut self, operation: Operation, operands: Vec<TargetText>) -> TargetText {
+        let bind = |operand: TargetText| match operand.ty {
+            Type::Vector if operand.precedence != Precedence::Atom || operand.text.contains('(') => self.value("v", operand),
+            Type::Scalar | Type::Vector | Type::Truth | Type::Texture => operand,
+        };
+        let operands: Vec<TargetText> = operands.into_iter().map(bind).collect();
+        let components = ["x", "y", "z"].map(|component| {
+            let part = |operand: &TargetText| match operand.ty {
+                Type::Vector => TargetText::atom(format!("{}.{component}", operand.text), Type::Scalar),
+                Type::Scalar | Type::Truth | Type::Texture => operand.clone(),
+            };
+            self.apply(operation, operands.iter().map(part).collect())
+        });
+        TargetText::atom(call(self.shared.dialect.make_vector, &components), Type::Vector)
+    }
+
+    /// The operand as a number or a condition, if it is the other.
+    fn as_type(&mut self, operand: TargetText, ty: Type) -> TargetText {
+        let dialect = self.shared.dialect;
+        match (operand.ty, ty) {
+            (Type::Truth, Type::Scalar) => {
+                let [one, zero] = [1.0, 0.0].map(|number| self.number(number).text);
+                let text = dialect.select(&operand.within(Precedence::Atom), &one, &zero);
+                TargetText { text, precedence: Precedence::Conditional, ty }
+            }
+            (Type::Scalar, Type::Truth) => {
+                let text = format!("{} != {}", operand.within(Precedence::Sum), self.number(0.0).text);
+                TargetText { text, precedence: Precedence::Equality, ty }
+            }
+            _ => operand,
+        }
+    }
+}
+
+/// The exponents that become products of this many factors.
+const PRODUCTS: [(&str, usize); 4] = [("2.0", 2), ("3.0", 3), ("4.0", 4), ("5.0", 5)];
+
+/// Whether a variable follows from others.
+fn is_derived(variable: Variable) -> bool {
+    use Variable::{Alpha, Beta, Bitangent, Gamma, Halfway, Mirrored};
+    matches!(variable, Mirrored | Halfway | Bitangent | Alpha | Beta | Gamma)
+}
+
+/// A call with these arguments.
+fn call(function: &str, arguments: &[TargetText]) -> String {
+    let arguments: Vec<&str> = arguments.iter().map(|argument| &*argument.text).collect();
+    format!("{function}({})", arguments.join(", "))
+}
+
+/// The operator that is the same in all target languages.
+fn operator(mark: Mark) -> Option<(&'static str, Precedence)> {
+    Some(match mark {
+        Mark::Plus => ("+", Precedence::Sum),
+        Mark::Minus => ("-", Precedence::Sum),
+        Mark::Star => ("*", Precedence::Product),
+        Mark::Slash => ("/", Precedence::Product),
+        Mark::Less => ("<", Precedence::Comparison),
+        Mark::LessEqual => ("<=", Precedence::Comparison),
+        Mark::Greater => (">", Precedence::Comparison),
+        Mark::GreaterEqual => (">=", Precedence::Comparison),
+        Mark::EqualEqual => ("==", Precedence::Equality),
+        Mark::NotEqual => ("!=", Precedence::Equality),
+        Mark::AndAnd => ("&&", Precedence::And),
+        Mark::OrOr => ("||", Precedence::Or),
+        Mark::DotDot
+        | Mark::Colon
+        | Mark::Semicolon
+        | Mark::Comma
+        | Mark::Dot
+        | Mark::Caret
+        | Mark::Open
+        | Mark::Close
+        | Mark::Equal
+        | Mark::Not => return None,
+    })
+}
+
+/// How an operand binds that must bind closer than an operator.
+fn previous(precedence: Precedence) -> Precedence {
+    match precedence {
+        Precedence::Atom | Precedence::Prefix => Precedence::Atom,
+        Precedence::Product => Precedence::Prefix,
+        Precedence::Sum => Precedence::Product,
+        Precedence::Comparison | Precedence::Equality | Precedence::And | Precedence::Or | Precedence::Conditional => {
+            Precedence::Sum
+        }
+    }
+}
