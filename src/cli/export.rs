@@ -61,7 +61,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         Location::Preset(name) => name.clone(),
         Location::File(path) => path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
     };
-    let text = export(&formula, &function, &name, options.to);
+    let text = export(&formula, &function, &name, options.to).map_err(|error| Failure::input(error.to_string()))?;
     let Some(output) = &options.output else {
         return if prints_to_terminal() { print(&text) } else { print_bytes(text.as_bytes()) };
     };

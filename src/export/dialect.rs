@@ -11,6 +11,8 @@ pub(super) enum Language {
     Glsl,
     Hlsl,
     Wgsl,
+    /// GLSL in the files of BRDF Explorer.
+    Brdf,
 }
 
 /// A language that formulas are written in.
@@ -140,7 +142,7 @@ macro_rules! shading_natives {
 }
 
 /// The languages.
-pub(super) const DIALECTS: [Dialect; 4] = [
+pub(super) const DIALECTS: [Dialect; 5] = [
     Dialect {
         language: Language::C,
         name: "c",
@@ -254,6 +256,26 @@ pub(super) const DIALECTS: [Dialect; 4] = [
         prologue: "",
         power: include_str!("prelude/power.wgsl"),
         noise: include_str!("prelude/noise.wgsl"),
+    },
+    Dialect {
+        language: Language::Brdf,
+        name: "brdf",
+        doc: "GLSL for BRDF Explorer",
+        scalar: "float",
+        vector: "vec3",
+        truth: "bool",
+        make_vector: "vec3",
+        number_suffix: "",
+        has_vectors: true,
+        declarations: Declarations::TypeFirst { constant: "", function: "" },
+        natives: shading_natives!(Fract "fract", Mod "mod", MixS "mix", MixV "mix", LerpS "mix", LerpV "mix", Atan2 "atan",
+            PowerSS "power", Pow "power"),
+        primitives: &[(Primitive::Atan2, "atan"), (Primitive::Pow, "power")],
+        reserved: include_str!("reserved/glsl.txt"),
+        lookup: "",
+        prologue: "",
+        power: include_str!("prelude/power.glsl"),
+        noise: include_str!("prelude/noise.glsl"),
     },
 ];
 

@@ -71,8 +71,9 @@ struct Function<'f, 's> {
     variables: BTreeMap<Variable, TargetText>,
 }
 
-/// Writes the function of an expression, with this name. `doc` says what it returns.
-pub(super) fn function(shared: &mut Shared, name: &str, doc: &str, root: TermId) -> String {
+/// Writes the function of an expression, with this name. `doc` says what it returns. Returns the variables that are its
+/// arguments, too.
+pub(super) fn function(shared: &mut Shared, name: &str, doc: &str, root: TermId) -> (String, Vec<Variable>) {
     let formula = shared.formula;
     let mut order = formula.terms_of(root);
     order.reverse();
@@ -119,8 +120,8 @@ pub(super) fn function(shared: &mut Shared, name: &str, doc: &str, root: TermId)
 }
 
 impl Function<'_, '_> {
-    /// The function with its documentation.
-    fn finish(self, name: &str, doc: &str, result: &TargetText) -> String {
+    /// The function with its documentation, and its arguments.
+    fn finish(self, name: &str, doc: &str, result: &TargetText) -> (String, Vec<Variable>) {
         let Self { shared, statements, variables, .. } = self;
         let mut lines = vec![format!("// {doc}")];
         let base = || variables.iter().filter(|(variable, _)| !is_derived(**variable));
@@ -131,7 +132,7 @@ impl Function<'_, '_> {
         lines.extend(statements.iter().map(|statement| format!("    {statement}")));
         lines.push(format!("    return {};", result.text));
         lines.push("}\n".to_owned());
-        lines.join("\n")
+        (lines.join("\n"), base().map(|(variable, _)| *variable).collect())
     }
 
     /// Declares a value. Its name is the wanted one, if that is free.

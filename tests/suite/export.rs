@@ -2,7 +2,7 @@
 
 use illuminator::export::{ExportTarget, export};
 use illuminator::formula::{Formula, Term, TermId};
-use illuminator::lang::builtins::Stack;
+use illuminator::lang::builtins::{Operation, Stack};
 use illuminator::lang::scalars::Floats;
 use illuminator::lang::source::Source;
 use illuminator::lang::types::Type;
@@ -10,7 +10,7 @@ use illuminator::lang::variables::Variable;
 use illuminator::workspace::{FileKind, presets};
 use proptest::prelude::Rng;
 use proptest::test_runner::{RngAlgorithm, TestRng};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 use std::process::Command;
 
@@ -21,7 +21,7 @@ const MORE: [(&str, &str); 6] = [
         + <exp(a) + exp2(b), log(b) + log2(b), sqrt(b) + abs(a) + sign(a)>
         + <floor(a) + ceil(a) + fract(a), mod(a, b) + step(a, b) + smoothstep(a, 2.5, b), radians(a) + saturate(a) + min(a, b, 1) + max(a, b, 1)>
         + mix(v, N, b/3) + lerp(L, v, 0.25) + min(v, N) + max(v, L) + clamp(v, 0, b/3) + sqrt(abs(v)) + v/(b + 1) + v*N - (-v)/<2, 3, 4>
-        + cross(N, v) + reflect(L, N) + normalize(v + <3>)*length(v) + <distance(v, N), dot(v, V), mix(a, b, 0.3)>;"),
+        + cross(N, v) + reflect(L, N) + normalize(v + <3>)*length(v) + <distance(v, N), dot(v, V), mix(a, b, 0.3) + lerp(b, a, 0.6)>;"),
     ("powers", "body_specific; a: scalar, constraint -2..2; b: scalar, constraint 0.1..3; formula;
         = <a^2 + a^3 + (-a)^-1 + a^0, b^a + pow(b, 2.5), a^4/(1 + a^2)> - <b - (a - 1) - (b/(a*(b + 3))), b/a*b, -(-a) - -b>;"),
     ("choices", "body_specific; a: scalar, constraint -2..2; b: scalar, constraint 0.1..3; formula;
@@ -44,6 +44,20 @@ fn formulas() -> Vec<(String, Formula)> {
         (name, formula)
     };
     built_in.chain(more).map(parsed).collect()
+}
+
+#[test]
+fn the_formulas_of_these_tests_have_every_operation() {
+    let used: HashSet<Operation> = formulas()
+        .iter()
+        .flat_map(|(_, formula)| formula.terms.clone())
+        .filter_map(|term| match term {
+            Term::Apply(operation, _) | Term::ByComponents(operation, _) => Some(operation),
+            Term::Number(_) | Term::Variable(_) | Term::Parameter(_) => None,
+        })
+        .collect();
+    let missing: Vec<&Operation> = Operation::ALL.iter().filter(|own| !used.contains(own)).collect();
+    assert_eq!(missing, [&Operation::TextureColour], "add them to `MORE`");
 }
 
 /// The value of an expression by the reference meaning.
@@ -217,7 +231,7 @@ fn c_computes_what_formulas_mean() {
         if formula.parameter_ids().any(|id| formula.parameter(id).ty == Type::Texture) {
             continue;
         }
-        let text = export(&formula, &name, &name, c);
+        let text = export(&formula, &name, &name, c).expect("C has everything");
         let main = name.replace('-', "_");
         let surface = formula.surface.iter().map(|(term, root)| (format!("{main}_{}", term.name()), root));
         let roots: Vec<(String, TermId)> = std::iter::once((main.clone(), formula.result)).chain(surface).collect();
@@ -251,7 +265,7 @@ fn shaders() -> Vec<(String, &'static str, String)> {
     let (textured, _) = Formula::parse(&Source::new("textured", textured)).expect("a formula");
     let all: Vec<(String, Formula)> = formulas().into_iter().chain([("textured".to_owned(), textured)]).collect();
     let targets = ["glsl", "hlsl", "wgsl"].map(|name| ExportTarget::named(name).expect("a language"));
-    let text = |(name, formula): &(String, Formula), target| export(formula, name, name, target);
+    let text = |(name, formula): &(String, Formula), target| export(formula, name, name, target).expect("these have everything");
     all.iter().flat_map(|own| targets.map(|target| (own.0.clone(), target.name(), text(own, target)))).collect()
 }
 
@@ -317,4 +331,46 @@ fn the_reference_compiler_takes_glsl_and_hlsl() {
             .expect("glslangValidator, of the package glslang-tools");
         assert!(output.status.success(), "{name} in {language}: {}\n{program}", String::from_utf8_lossy(&output.stdout));
     }
+}
+
+/// The file for BRDF Explorer as a shader: parameters become uniforms, as it declares them.
+fn shader_of_brdf(file: &str) -> String {
+    let between = |begin: &str, end: &str| {
+        let rest = file.split_once(&format!("::begin {begin}\n")).expect("the beginning of a part").1;
+        rest.split_once(&format!("::end {end}\n")).expect("its end").0.to_owned()
+    };
+    assert!(file.starts_with("analytic\n"));
+    let declarations = between("parameters", "parameters");
+    let uniforms = declarations.lines().filter(|line| !line.starts_with('#')).map(|line| {
+        let words: Vec<&str> = line.split(' ').collect();
+        assert!(words.len() == 5 && words[2..].iter().all(|number| number.parse::<f32>().is_ok()), "{line}");
+        let ty = if words[0] == "color" { "vec3" } else { words[0] };
+        format!("uniform {ty} {};\n", words[1])
+    });
+    let main = "out vec4 colour;\nin vec3 L, V, N, X, Y;\nvoid main() { colour = vec4(BRDF(L, V, N, X, Y), 1.0); }\n";
+    format!("#version 150\n{}{}{main}", uniforms.collect::<String>(), between("shader", "shader"))
+}
+
+#[test]
+fn brdf_explorer_gets_models_of_directions() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let target = ExportTarget::named("brdf").expect("a language");
+    let (mut written, mut refused) = (0, Vec::new());
+    for (name, formula) in formulas() {
+        let file = match export(&formula, &name, &name, target) {
+            Ok(file) => file,
+            Err(error) => {
+                refused.push(format!("{name}: {error}"));
+                continue;
+            }
+        };
+        let shader = folder.path().join(format!("{name}.frag"));
+        std::fs::write(&shader, shader_of_brdf(&file)).expect("a file");
+        let output =
+            Command::new("glslangValidator").arg(&shader).output().expect("glslangValidator, of the package glslang-tools");
+        assert!(output.status.success(), "{name}: {}\n{file}", String::from_utf8_lossy(&output.stdout));
+        written += 1;
+    }
+    // Those that read the place of the hit or the distance of the light.
+    assert!(written > 30 && refused.iter().any(|own| own.starts_with("marble: the formula reads `point`")), "{refused:?}");
 }
