@@ -62,11 +62,16 @@ pub(super) fn entry(function: &str, arguments: &[Variable]) -> Result<String, Ex
 /// # Errors
 /// A parameter is a texture.
 pub(super) fn file(header: &str, block: &ParameterBlock, shader: &str) -> Result<String, ExportError> {
-    let mut text = format!("analytic\n\n{}\n::begin parameters\n", header.replace("// ", "# "));
+    let mut text = format!(
+        "analytic\n\n{}\n::begin parameters\n",
+        header.lines().map(|line| line.replacen("//", "#", 1) + "\n").collect::<String>()
+    );
     for (id, name) in &block.members {
         let parameter = block.formula.parameter(*id);
         // A slider has ends.
-        let [low, high] = parameter.range.unwrap_or([0.0, 2.0 * parameter.default[0].abs().max(0.5)]);
+        let default = parameter.default[0];
+        let end = (2.0 * default.abs().max(0.5)).min(f32::MAX);
+        let [low, high] = parameter.range.unwrap_or(if default < 0.0 { [-end, 0.0] } else { [0.0, end] });
         let [first, second, third] = parameter.default;
         let line = match parameter.ty {
             Type::Vector => format!("color {name} {first} {second} {third}"),

@@ -44,7 +44,7 @@ pub(super) struct Dialect {
     pub(super) lookup: &'static str,
     /// What every file begins with.
     pub(super) prologue: &'static str,
-    /// What files have beside, if they use it: `power`, and noise.
+    /// Functions that files have if they call them: `power`, and noise.
     pub(super) power: &'static str,
     pub(super) noise: &'static str,
 }
@@ -72,9 +72,31 @@ impl Dialect {
         }
     }
 
-    /// A number. Formulas have finite ones only.
+    /// A number. The texts of formulas have finite ones only, but `1/0` is folded to a number that is not. Most
+    /// languages refuse constant expressions for it, so it is computed from the [variable](Self::zero) that is 0.
     pub(super) fn number(&self, number: f32) -> String {
-        format!("{number:?}{}", self.number_suffix)
+        match (self.zero(), number) {
+            (_, number) if number.is_finite() => format!("{number:?}{}", self.number_suffix),
+            (None, number) if number.is_nan() => "NAN".to_owned(),
+            (None, number) => if number > 0.0 { "INFINITY" } else { "(-INFINITY)" }.to_owned(),
+            (Some(_), number) if number.is_nan() => format!("({ZERO} / {ZERO})"),
+            (Some(_), number) => format!("({} / {ZERO})", if number > 0.0 { "1.0" } else { "-1.0" }),
+        }
+    }
+
+    /// The declaration of a variable that is 0. C needs none.
+    pub(super) fn zero(&self) -> Option<String> {
+        match self.language {
+            Language::C => None,
+            Language::Glsl | Language::Brdf => Some(format!("float {ZERO} = 0.0;\n")),
+            Language::Hlsl => Some(format!("static float {ZERO} = 0.0;\n")),
+            Language::Wgsl => Some(format!("var<private> {ZERO}: f32 = 0.0;\n")),
+        }
+    }
+
+    /// A condition that is known.
+    pub(super) fn known(&self, holds: bool) -> &'static str {
+        if holds { "true" } else { "false" }
     }
 
     /// The declaration of a value.
@@ -133,7 +155,7 @@ macro_rules! shading_natives {
             (Operation::Ceil, "ceil"), (Operation::Exp, "exp"), (Operation::Exp2, "exp2"), (Operation::Log, "log"),
             (Operation::Log2, "log2"), (Operation::Sin, "sin"), (Operation::Cos, "cos"), (Operation::Tan, "tan"),
             (Operation::Asin, "asin"), (Operation::Acos, "acos"), (Operation::Atan, "atan"), (Operation::Abs, "abs"),
-            (Operation::Sign, "sign"), (Operation::Step, "step"), (Operation::Smoothstep, "smoothstep"),
+            (Operation::Step, "step"), (Operation::Smoothstep, "smoothstep"),
             (Operation::Tanh, "tanh"), (Operation::MinSS, "min"), (Operation::MinVV, "min"), (Operation::MaxSS, "max"),
             (Operation::MaxVV, "max"), (Operation::Clamp, "clamp"), (Operation::Radians, "radians"),
             $((Operation::$more, $name)),*
@@ -200,7 +222,7 @@ pub(super) const DIALECTS: [Dialect; 5] = [
     Dialect {
         language: Language::Glsl,
         name: "glsl",
-        doc: "GLSL 4.50, for OpenGL and Vulkan",
+        doc: "GLSL 4.50",
         scalar: "float",
         vector: "vec3",
         truth: "bool",
@@ -208,7 +230,7 @@ pub(super) const DIALECTS: [Dialect; 5] = [
         number_suffix: "",
         has_vectors: true,
         declarations: Declarations::TypeFirst { constant: "", function: "" },
-        natives: shading_natives!(Fract "fract", Mod "mod", MixS "mix", MixV "mix", LerpS "mix", LerpV "mix", Atan2 "atan",
+        natives: shading_natives!(Sign "sign", Fract "fract", Mod "mod", MixS "mix", MixV "mix", LerpS "mix", LerpV "mix", Atan2 "atan",
             PowerSS "power", Pow "power"),
         primitives: &[(Primitive::Atan2, "atan"), (Primitive::Pow, "power")],
         reserved: include_str!("reserved/glsl.txt"),
@@ -232,7 +254,7 @@ pub(super) const DIALECTS: [Dialect; 5] = [
             PowerSS "power", Pow "power"),
         primitives: &[(Primitive::Pow, "power")],
         reserved: include_str!("reserved/hlsl.txt"),
-        lookup: "{t}.SampleLevel({t}_sampler, float2({u}, 1.0 - ({v})), 0.0).rgb",
+        lookup: "{t}.SampleLevel({s}, float2({u}, 1.0 - ({v})), 0.0).rgb",
         prologue: "",
         power: include_str!("prelude/power.hlsl"),
         noise: include_str!("prelude/noise.hlsl"),
@@ -248,11 +270,11 @@ pub(super) const DIALECTS: [Dialect; 5] = [
         number_suffix: "",
         has_vectors: true,
         declarations: Declarations::Let,
-        natives: shading_natives!(Fract "fract", MixS "mix", MixV "mix", LerpS "mix", LerpV "mix", Atan2 "atan2",
+        natives: shading_natives!(Sign "sign", Fract "fract", MixS "mix", MixV "mix", LerpS "mix", LerpV "mix", Atan2 "atan2",
             PowerSS "power", Pow "power"),
         primitives: &[(Primitive::Pow, "power")],
         reserved: include_str!("reserved/wgsl.txt"),
-        lookup: "textureSampleLevel({t}, {t}_sampler, vec2f({u}, 1.0 - ({v})), 0.0).rgb",
+        lookup: "textureSampleLevel({t}, {s}, vec2f({u}, 1.0 - ({v})), 0.0).rgb",
         prologue: "",
         power: include_str!("prelude/power.wgsl"),
         noise: include_str!("prelude/noise.wgsl"),
@@ -268,10 +290,10 @@ pub(super) const DIALECTS: [Dialect; 5] = [
         number_suffix: "",
         has_vectors: true,
         declarations: Declarations::TypeFirst { constant: "", function: "" },
-        natives: shading_natives!(Fract "fract", Mod "mod", MixS "mix", MixV "mix", LerpS "mix", LerpV "mix", Atan2 "atan",
+        natives: shading_natives!(Sign "sign", Fract "fract", Mod "mod", MixS "mix", MixV "mix", LerpS "mix", LerpV "mix", Atan2 "atan",
             PowerSS "power", Pow "power"),
         primitives: &[(Primitive::Atan2, "atan"), (Primitive::Pow, "power")],
-        reserved: include_str!("reserved/glsl.txt"),
+        reserved: include_str!("reserved/brdf.txt"),
         lookup: "",
         prologue: "",
         power: include_str!("prelude/power.glsl"),
@@ -279,8 +301,12 @@ pub(super) const DIALECTS: [Dialect; 5] = [
     },
 ];
 
-/// The names of the functions that files may begin with.
-pub(super) const PRELUDE: [&str; 10] = [
+/// The name of the variable that is 0.
+pub(super) const ZERO: &str = "zero";
+
+/// The names that files may begin with.
+pub(super) const PRELUDE: [&str; 11] = [
+    ZERO,
     "power",
     "noise",
     "noise_sum",

@@ -21,7 +21,8 @@ use crate::lang::ast::Relation;
 use crate::lang::noise::permutation;
 use crate::lang::scalars::Primitive;
 use crate::lang::surface_terms::SurfaceTerm;
-use dialect::{DIALECTS, Dialect, Language};
+use crate::lang::types::Type;
+use dialect::{DIALECTS, Dialect, Language, ZERO};
 use helpers::helper;
 use names::FreeNames;
 use parameters::{ParameterBlock, comment};
@@ -85,11 +86,18 @@ pub fn export(formula: &Formula, name: &str, origin: &str, target: ExportTarget)
         .collect();
     let block = names.take(&format!("{}Parameters", camel(&function)));
     let members: Vec<(ParameterId, String)> = read.iter().map(|id| (*id, names.take(&formula.parameter(*id).name))).collect();
-    let block = ParameterBlock { dialect, formula, name: block, defaults: names.take(&format!("{function}_defaults")), members };
+    let mut of_texture = |(id, name): &(ParameterId, String)| {
+        let is_texture = formula.parameter(*id).ty == Type::Texture;
+        is_texture.then(|| (name.clone(), names.take(&format!("{name}_sampler"))))
+    };
+    let samplers = members.iter().filter_map(&mut of_texture).collect();
+    let [defaults, white] = ["defaults", "white"].map(|what| names.take(&format!("{function}_{what}")));
+    let block = ParameterBlock { dialect, formula, name: block, defaults, members, samplers, white };
     let mut shared = Shared {
         dialect,
         formula,
         parameters: block.readings(),
+        samplers: block.samplers.clone(),
         first_parameter: block.first_parameter(),
         names,
         helpers: BTreeSet::new(),
@@ -104,8 +112,11 @@ pub fn export(formula: &Formula, name: &str, origin: &str, target: ExportTarget)
     }
     let helpers: Vec<String> = shared.helpers.iter().map(|operation| helper(dialect, *operation)).collect();
     let body = [helpers.join("\n"), functions.join("\n")].join("\n");
-    let calls = |function: &str| body.contains(&format!("{function}("));
     let mut parts = Vec::new();
+    if let Some(zero) = dialect.zero().filter(|_| has_word(&body, ZERO)) {
+        parts.push(format!("// Constant expressions must be finite, and this is none.\n{zero}"));
+    }
+    let calls = |function: &str| has_word(&body, function);
     if calls("power") {
         parts.push(dialect.power.to_owned());
     }
@@ -121,6 +132,13 @@ pub fn export(formula: &Formula, name: &str, origin: &str, target: ExportTarget)
     Ok(before.into_iter().filter(|part| !part.is_empty()).chain(parts).collect::<Vec<_>>().join("\n"))
 }
 
+/// Whether a text has a word outside of comments.
+fn has_word(text: &str, word: &str) -> bool {
+    let is_part = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
+    let lines = text.lines().filter(|line| !line.trim_start().starts_with("//"));
+    lines.flat_map(|line| line.split(|letter: char| !is_part(letter))).any(|own| own == word)
+}
+
 const COLOUR: &str = "The colour that a light adds at a hit, linear RGB, without the intensity ki of the light.";
 
 fn doc_of(term: SurfaceTerm) -> String {
@@ -131,7 +149,7 @@ fn doc_of(term: SurfaceTerm) -> String {
 fn header(formula: &Formula, function: &str, origin: &str, dialect: &Dialect) -> String {
     let mut lines = vec![
         format!("// {function}: an illumination model in {}, written by Illuminator from {}.", dialect.doc, comment(origin)),
-        "// Directions have unit length and point away from the surface. Colours are linear RGB.".to_owned(),
+        "// Directions have unit length; L and V point away from the surface. Colours are linear RGB.".to_owned(),
     ];
     let invariants = formula.invariants.iter().map(|invariant| {
         let names: Vec<&str> = invariant.terms.iter().map(|id| &*formula.parameter(*id).name).collect();

@@ -14,11 +14,20 @@ pub(super) struct ParameterBlock<'b> {
     pub(super) defaults: String,
     /// The used parameters, and their names in the language.
     pub(super) members: Vec<(ParameterId, String)>,
+    /// The names of the samplers of textures, by the names of the textures.
+    pub(super) samplers: HashMap<String, String>,
+    /// The name of the texture that C takes where none is given.
+    pub(super) white: String,
 }
 
 impl ParameterBlock<'_> {
     fn is_texture(&self, id: ParameterId) -> bool {
         self.formula.parameter(id).ty == Type::Texture
+    }
+
+    /// The sampler of a texture.
+    fn sampler(&self, texture: &str) -> &str {
+        self.samplers.get(texture).map_or("", String::as_str)
     }
 
     /// How each parameter is read in functions.
@@ -53,9 +62,13 @@ impl ParameterBlock<'_> {
                 }));
                 lines.push(format!("}} {};\n", self.name));
                 let default = |id: ParameterId, name: &str| match self.is_texture(id) {
-                    true => format!("        .{name} = 0,"),
+                    true => format!("        .{name} = {},", self.white),
                     false => format!("        .{name} = {},", self.default(id)),
                 };
+                if !textures.is_empty() {
+                    lines.push(format!("static inline vec3 {}(float u, float v) {{", self.white));
+                    lines.push("    (void)u;\n    (void)v;\n    return make_vec3(1.0f, 1.0f, 1.0f);\n}\n".to_owned());
+                }
                 lines.push(format!("static inline {} {}(void) {{", self.name, self.defaults));
                 lines.push(format!("    const {} defaults = {{", self.name));
                 lines.extend(numbers.iter().chain(&textures).map(|(id, name)| default(*id, name)));
@@ -82,11 +95,12 @@ impl ParameterBlock<'_> {
             let note = note(self.formula.parameter(*id));
             match self.dialect.language {
                 Language::Glsl => lines.push(format!("layout(binding = {}) uniform sampler2D {name}; // {note}\n", index + 1)),
-                Language::Hlsl => lines.push(format!("Texture2D {name}; // {note}\nSamplerState {name}_sampler;\n")),
+                Language::Hlsl => lines.push(format!("Texture2D {name}; // {note}\nSamplerState {};\n", self.sampler(name))),
                 Language::Wgsl => lines.push(format!(
-                    "@group(0) @binding({}) var {name}: texture_2d<f32>; // {note}\n@group(0) @binding({}) var {name}_sampler: sampler;\n",
+                    "@group(0) @binding({}) var {name}: texture_2d<f32>; // {note}\n@group(0) @binding({}) var {}: sampler;\n",
                     2 * index + 1,
-                    2 * index + 2
+                    2 * index + 2,
+                    self.sampler(name)
                 )),
                 Language::C | Language::Brdf => {}
             }
@@ -138,7 +152,25 @@ pub(super) fn note(parameter: &Parameter) -> String {
 /// Text for a comment of one line: without what ends a line in any of the languages, or continues it, such as a
 /// backslash at its end or C's trigraph for it.
 pub(super) fn comment(text: &str) -> String {
-    let is_kept = |letter: &char| !letter.is_control() && !matches!(letter, '\u{2028}' | '\u{2029}');
-    let text: String = text.chars().filter(is_kept).map(|letter| if letter == '\\' { '/' } else { letter }).collect();
-    text.replace("??", "? ?")
+    let mut kept = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match letter {
+            '\u{2028}' | '\u{2029}' => kept.push(' '),
+            '\\' => kept.push('/'),
+            '?' if kept.ends_with('?') => kept.push_str(" ?"),
+            letter => kept.push(if letter.is_control() { ' ' } else { letter }),
+        }
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn comments_end_with_their_lines() {
+        assert_eq!(comment("a\\b\u{2028}c\nd"), "a/b c d");
+        assert_eq!(comment("what ???/"), "what ? ? ?/");
+    }
 }

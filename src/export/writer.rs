@@ -7,10 +7,12 @@ use crate::export::dialect::Dialect;
 use crate::export::helpers::helper_name;
 use crate::export::names::FreeNames;
 use crate::formula::{Formula, ParameterId, Term, TermId};
-use crate::lang::builtins::{Form, Operation};
+use crate::lang::builtins::{Form, Operation, Stack};
+use crate::lang::scalars::Floats;
 use crate::lang::token::Mark;
 use crate::lang::types::Type;
 use crate::lang::variables::Variable;
+use smallvec::SmallVec;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// Longer expressions become values of their own.
@@ -36,11 +38,16 @@ struct TargetText {
     text: String,
     precedence: Precedence,
     ty: Type,
+    /// Its value, if that is known: one number, or three.
+    known: Option<KnownNumbers>,
 }
+
+/// A number, a condition as 1 or 0, or a vector.
+type KnownNumbers = SmallVec<[f32; 3]>;
 
 impl TargetText {
     fn atom(text: String, ty: Type) -> Self {
-        Self { text, precedence: Precedence::Atom, ty }
+        Self { text, precedence: Precedence::Atom, ty, known: None }
     }
 
     /// As an operand that must bind at least so.
@@ -55,7 +62,9 @@ pub(super) struct Shared<'s> {
     pub(super) formula: &'s Formula,
     /// How each used parameter is read.
     pub(super) parameters: HashMap<ParameterId, String>,
-    /// What stands before the parameters of each function.
+    /// The samplers of textures.
+    pub(super) samplers: HashMap<String, String>,
+    /// What stands before the arguments of a function that reads parameters.
     pub(super) first_parameter: Option<String>,
     pub(super) names: FreeNames,
     /// The operations that need a function.
@@ -66,6 +75,8 @@ pub(super) struct Shared<'s> {
 struct Function<'f, 's> {
     shared: &'f mut Shared<'s>,
     names: FreeNames,
+    /// Whether it reads parameters.
+    reads: bool,
     statements: Vec<String>,
     /// The variables that are parameters of the function.
     variables: BTreeMap<Variable, TargetText>,
@@ -81,7 +92,8 @@ pub(super) fn function(shared: &mut Shared, name: &str, doc: &str, root: TermId)
     order.iter().flat_map(|id| formula.term(*id).operands()).for_each(|operand| *uses.entry(*operand).or_default() += 1);
     let macros: HashMap<TermId, &str> = formula.macros.iter().map(|(name, id)| (*id, &**name)).collect();
     let names = shared.names.inside();
-    let mut function = Function { shared, names, statements: Vec::new(), variables: BTreeMap::new() };
+    let reads = order.iter().any(|id| matches!(formula.term(*id), Term::Parameter(_)));
+    let mut function = Function { shared, names, reads, statements: Vec::new(), variables: BTreeMap::new() };
     // Parameters first, so that they have their names.
     let read = order.iter().filter_map(|id| match formula.term(*id) {
         Term::Variable(variable) => Some(*variable),
@@ -122,12 +134,12 @@ pub(super) fn function(shared: &mut Shared, name: &str, doc: &str, root: TermId)
 impl Function<'_, '_> {
     /// The function with its documentation, and its arguments.
     fn finish(self, name: &str, doc: &str, result: &TargetText) -> (String, Vec<Variable>) {
-        let Self { shared, statements, variables, .. } = self;
+        let Self { shared, reads, statements, variables, .. } = self;
         let mut lines = vec![format!("// {doc}")];
         let base = || variables.iter().filter(|(variable, _)| !is_derived(**variable));
         lines.extend(base().map(|(variable, own)| format!("// {}: {}", own.text, variable.doc())));
         let own = base().map(|(variable, own)| shared.dialect.parameter(variable.ty(), &own.text));
-        let parameters: Vec<String> = shared.first_parameter.iter().cloned().chain(own).collect();
+        let parameters: Vec<String> = shared.first_parameter.iter().filter(|_| reads).cloned().chain(own).collect();
         lines.push(shared.dialect.function(result.ty, name, &parameters));
         lines.extend(statements.iter().map(|statement| format!("    {statement}")));
         lines.push(format!("    return {};", result.text));
@@ -139,13 +151,14 @@ impl Function<'_, '_> {
     fn value(&mut self, wanted: &str, value: TargetText) -> TargetText {
         let name = self.names.take(wanted);
         self.statements.push(self.shared.dialect.value(value.ty, &name, &value.text));
-        TargetText::atom(name, value.ty)
+        TargetText { known: value.known, ..TargetText::atom(name, value.ty) }
     }
 
     fn number(&mut self, number: f32) -> TargetText {
         let text = self.shared.dialect.number(number);
+        let known = Some([number].as_slice().into());
         let precedence = if text.starts_with('-') { Precedence::Prefix } else { Precedence::Atom };
-        TargetText { text, precedence, ty: Type::Scalar }
+        TargetText { text, precedence, ty: Type::Scalar, known }
     }
 
     /// A variable: a parameter of the function, or a value that follows from others.
@@ -163,11 +176,13 @@ impl Function<'_, '_> {
 
     /// A variable that follows from others, by its definition in the manual.
     fn derived(&mut self, variable: Variable) -> Option<TargetText> {
-        use Operation::{Acos, AddVV, Cross, Greater, IfV, Length, MulSS, MulSV, Normalize, SubVV, UnitDotVV};
+        use Operation::{AddVV, Atan2, Cross, Greater, IfV, Length, MulSS, MulSV, Normalize, SubVV};
+        // The arc cosine would be wrong for small angles.
         let angle = |function: &mut Self, from: Variable, to: Variable| {
             let (from, to) = (function.variable(from), function.variable(to));
-            let cosine = function.apply(UnitDotVV, vec![from, to]);
-            function.apply(Acos, vec![cosine])
+            let cross = function.apply(Cross, vec![from.clone(), to.clone()]);
+            let (sine, cosine) = (function.apply(Length, vec![cross]), function.apply(Operation::DotVV, vec![from, to]));
+            function.apply(Atan2, vec![sine, cosine])
         };
         Some(match variable {
             Variable::Mirrored => {
@@ -218,6 +233,9 @@ impl Function<'_, '_> {
         let dialect = self.shared.dialect;
         let wanted = operation.operands().iter().zip(operands);
         let operands: Vec<TargetText> = wanted.map(|(ty, operand)| self.as_type(operand, *ty)).collect();
+        if let Some(folded) = self.folded(operation, &operands) {
+            return folded;
+        }
         let ty = operation.result();
         let takes_all = dialect.has_vectors || !operation.operands().contains(&Type::Vector);
         match (operation, operation.form(), &*operands) {
@@ -228,13 +246,13 @@ impl Function<'_, '_> {
                 // Compilers warn where different comparisons and conditions meet without parentheses.
                 let left = if precedence <= Precedence::Sum { precedence } else { right };
                 let text = format!("{} {symbol} {}", x.within(left), y.within(right));
-                TargetText { text, precedence, ty }
+                TargetText { text, precedence, ty, known: None }
             }
             (_, Form::Prefix(Mark::Minus), [x]) if takes_all => {
-                TargetText { text: format!("-{}", x.within(Precedence::Atom)), precedence: Precedence::Prefix, ty }
+                TargetText { text: format!("-{}", x.within(Precedence::Atom)), precedence: Precedence::Prefix, ty, known: None }
             }
             (_, Form::Prefix(_), [x]) if ty == Type::Truth => {
-                TargetText { text: format!("!{}", x.within(Precedence::Atom)), precedence: Precedence::Prefix, ty }
+                TargetText { text: format!("!{}", x.within(Precedence::Atom)), precedence: Precedence::Prefix, ty, known: None }
             }
             (Operation::MakeVector, _, operands) => TargetText::atom(call(dialect.make_vector, operands), ty),
             (Operation::Spread, _, [x]) => {
@@ -244,12 +262,27 @@ impl Function<'_, '_> {
             (Operation::GetX, _, [v]) => TargetText::atom(format!("{}.x", v.within(Precedence::Atom)), ty),
             (Operation::GetY, _, [v]) => TargetText::atom(format!("{}.y", v.within(Precedence::Atom)), ty),
             (Operation::GetZ, _, [v]) => TargetText::atom(format!("{}.z", v.within(Precedence::Atom)), ty),
+            (_, Form::Conditional, [condition, then, other]) if condition.known.is_some() => {
+                let holds = condition.known.as_ref().is_some_and(|known| known[0] != 0.0);
+                if holds { then.clone() } else { other.clone() }
+            }
             (_, Form::Conditional, [condition, then, other]) => {
                 let [condition, then, other] = [condition, then, other].map(|operand| operand.within(Precedence::Atom));
-                TargetText { text: dialect.select(&condition, &then, &other), precedence: Precedence::Conditional, ty }
+                TargetText {
+                    text: dialect.select(&condition, &then, &other),
+                    precedence: Precedence::Conditional,
+                    ty,
+                    known: None,
+                }
             }
             (Operation::TextureColour, _, [texture, u, v]) => {
-                let text = dialect.lookup.replace("{t}", &texture.text).replace("{u}", &u.text).replace("{v}", &v.text);
+                let sampler = self.shared.samplers.get(&texture.text).map_or("", String::as_str);
+                let text = dialect
+                    .lookup
+                    .replace("{t}", &texture.text)
+                    .replace("{s}", sampler)
+                    .replace("{u}", &u.text)
+                    .replace("{v}", &v.text);
                 TargetText::atom(text, ty)
             }
             (Operation::UnitDotVV, _, [x, y]) if dialect.has_vectors => {
@@ -271,6 +304,32 @@ impl Function<'_, '_> {
         }
     }
 
+    /// The value of an operation on known values, by its meaning.
+    fn folded(&mut self, operation: Operation, operands: &[TargetText]) -> Option<TargetText> {
+        let mut stack = Stack::new(32, 0.0);
+        for operand in operands {
+            operand.known.as_ref()?.iter().for_each(|number| stack.push(*number));
+        }
+        if operation.operands().contains(&Type::Texture) {
+            return None;
+        }
+        operation.apply(&mut Floats, &mut stack);
+        Some(match operation.result() {
+            Type::Vector => {
+                let known = stack.pop::<3>();
+                let parts = known.map(|number| self.number(number));
+                let text = call(self.shared.dialect.make_vector, &parts);
+                TargetText { known: Some(known.as_slice().into()), ..TargetText::atom(text, Type::Vector) }
+            }
+            Type::Truth => {
+                let known = stack.pop::<1>();
+                let text = self.shared.dialect.known(known[0] != 0.0).to_owned();
+                TargetText { known: Some(known.as_slice().into()), ..TargetText::atom(text, Type::Truth) }
+            }
+            Type::Scalar | Type::Texture => self.number(stack.pop::<1>()[0]),
+        })
+    }
+
     /// A power. Small whole exponents become products: no shading language has a fast function for them.
     fn power(&mut self, base: &TargetText, exponent: &TargetText, operation: Operation) -> TargetText {
         let Some((_, times)) = PRODUCTS.iter().find(|(text, _)| *text == exponent.text) else {
@@ -280,23 +339,28 @@ impl Function<'_, '_> {
         let is_name = base.precedence == Precedence::Atom && !base.text.contains('(');
         let base = if is_name { base.clone() } else { self.value("v", base.clone()) };
         let text = vec![&*base.text; *times].join(" * ");
-        TargetText { text, precedence: Precedence::Product, ty: Type::Scalar }
+        TargetText { text, precedence: Precedence::Product, ty: Type::Scalar, known: None }
     }
 
     /// An operation for each component of vectors.
     fn by_components(&mut self, operation: Operation, operands: Vec<TargetText>) -> TargetText {
         let bind = |operand: TargetText| match operand.ty {
-            Type::Vector if operand.precedence != Precedence::Atom || operand.text.contains('(') => self.value("v", operand),
+            Type::Vector if operand.known.is_none() && (operand.precedence != Precedence::Atom || operand.text.contains('(')) => {
+                self.value("v", operand)
+            }
             Type::Scalar | Type::Vector | Type::Truth | Type::Texture => operand,
         };
         let operands: Vec<TargetText> = operands.into_iter().map(bind).collect();
-        let components = ["x", "y", "z"].map(|component| {
-            let part = |operand: &TargetText| match operand.ty {
-                Type::Vector => TargetText::atom(format!("{}.{component}", operand.text), Type::Scalar),
-                Type::Scalar | Type::Truth | Type::Texture => operand.clone(),
-            };
-            self.apply(operation, operands.iter().map(part).collect())
+        let components = ["x", "y", "z"].into_iter().enumerate().map(|(index, component)| {
+            let parts = operands.iter().map(|operand| match (operand.ty, &operand.known) {
+                (Type::Vector, Some(known)) => self.number(known[index]),
+                (Type::Vector, None) => TargetText::atom(format!("{}.{component}", operand.text), Type::Scalar),
+                (Type::Scalar | Type::Truth | Type::Texture, _) => operand.clone(),
+            });
+            let parts = parts.collect();
+            self.apply(operation, parts)
         });
+        let components: Vec<TargetText> = components.collect();
         TargetText::atom(call(self.shared.dialect.make_vector, &components), Type::Vector)
     }
 
@@ -304,14 +368,18 @@ impl Function<'_, '_> {
     fn as_type(&mut self, operand: TargetText, ty: Type) -> TargetText {
         let dialect = self.shared.dialect;
         match (operand.ty, ty) {
+            (Type::Truth, Type::Scalar) if operand.known.is_some() => {
+                let number = operand.known.and_then(|known| known.first().copied()).unwrap_or_default();
+                self.number(number)
+            }
             (Type::Truth, Type::Scalar) => {
                 let [one, zero] = [1.0, 0.0].map(|number| self.number(number).text);
                 let text = dialect.select(&operand.within(Precedence::Atom), &one, &zero);
-                TargetText { text, precedence: Precedence::Conditional, ty }
+                TargetText { text, precedence: Precedence::Conditional, ty, known: None }
             }
             (Type::Scalar, Type::Truth) => {
                 let text = format!("{} != {}", operand.within(Precedence::Sum), self.number(0.0).text);
-                TargetText { text, precedence: Precedence::Equality, ty }
+                TargetText { text, precedence: Precedence::Equality, ty, known: None }
             }
             _ => operand,
         }

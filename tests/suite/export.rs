@@ -15,7 +15,7 @@ use std::fmt::Write;
 use std::process::Command;
 
 /// Formulas with what the built-in ones do not have.
-const MORE: [(&str, &str); 6] = [
+const MORE: [(&str, &str); 10] = [
     ("functions", "body_specific; a: scalar, constraint -2..2; b: scalar, constraint 0.1..3; v: vector, constraint -1..2; formula;
         = <sin(a) + cos(b) + tan(a/2), asin(a/3) + acos(a/3) + atan(a), atan2(a, b) + tanh(a) + erf(b)>
         + <exp(a) + exp2(b), log(b) + log2(b), sqrt(b) + abs(a) + sign(a)>
@@ -28,6 +28,15 @@ const MORE: [(&str, &str); 6] = [
         = if(a < b && (a > 0 || b >= 1) && !(a == b), <1, a, b>, if(a <= -1 || a != a, N, <if(b > 1, 2, 3)>)) + (a > 0)*<1>;"),
     ("noisy", "body_specific; a: scalar, constraint 0.5..3; n: scalar, constraint 0..5; formula;
         = <perlin(point, 2, a, n), perlin(point*17, a, 2, 3), perlin(-9*N, 1.5, 2, n)>;"),
+    ("plain", "formula; refracted = total; ambient = N; emission = <1>; = <max(0, N.L)>;"),
+    ("infinite", "body_specific; a: scalar, constraint 1..2; formula;
+        = if(a < 0, <1/0, log(0), sqrt(-1)> + normalize(<0, 0, 0>) + <acos(2), 0/0, -1/0>, <a>)
+        + <sum(i, 0, 3, if(i == 0, a, a/i)), 1/4 + 2^3, min(1/0, a)>;"),
+    ("collisions", "body_specific; op_add_vv: scalar, constraint 0..1; BRDF: scalar, constraint 0..1; cosine: scalar, constraint 0..1;
+        exposure: scalar, constraint 0..1; gl_x: scalar, constraint 0..1; noise_sum: scalar, constraint 0..1; formula;
+        op_erf = 2*op_add_vv; sum_2 = erf(gl_x); parameters = V; defaults = sum_2*N;
+        = op_erf*Cd + IL*cosine*exposure + defaults*BRDF + parameters*noise_sum + perlin(N, 2, 2, 2)*<1> + H;"),
+    ("angles", "body_specific; h: scalar, constraint 1..1000; formula; = <exp(-h*gamma^2), exp(-h*alpha^2), exp(-h*beta^2)>;"),
     ("derived", "formula; = <alpha, beta, gamma> + R + H + B + <u, v, dist> + Ng + T + point + <visible>;"),
     ("weights", "body_specific; float: scalar, constraint 0..1; return: scalar, constraint 0..1; formula; struct = float + return;
         reflected = kr*if(total, 1, struct*eta); refracted = kt*Cd; ambient = Ca()*ka; emission = <0, struct, 1>; = IL*struct;"),
@@ -195,7 +204,7 @@ fn program(text: &str, roots: &[(String, TermId)], samples: &[Sample], formula: 
                     let values: Vec<String> = members
                         .map(|line| {
                             let name = line.split(';').next().and_then(|own| own.split(' ').next_back()).expect("a name");
-                            let wanted = name.trim_end_matches("_2");
+                            let wanted = name.trim_end_matches("_2").trim_start_matches("f_");
                             let id = formula.parameter_named(wanted).expect("a parameter");
                             let value = parameters[id.0 as usize];
                             if formula.parameter(id).ty == Type::Vector {
@@ -373,4 +382,22 @@ fn brdf_explorer_gets_models_of_directions() {
     }
     // Those that read the place of the hit or the distance of the light.
     assert!(written > 30 && refused.iter().any(|own| own.starts_with("marble: the formula reads `point`")), "{refused:?}");
+}
+
+#[test]
+fn textures_of_c_are_functions_and_white_by_default() {
+    let text = "body_specific; image: texture, default \"preset:checker\"; formula; = 2*image(u, v);";
+    let (formula, _) = Formula::parse(&Source::new("textured", text)).expect("a formula");
+    let text = export(&formula, "textured", "textured", ExportTarget::named("c").expect("C")).expect("C has everything");
+    let folder = tempfile::tempdir().expect("a folder");
+    let (source, binary) = (folder.path().join("textured.c"), folder.path().join("textured"));
+    let main = "\n#include <stdio.h>\nstatic vec3 ramp(float u, float v) { return make_vec3(u, v, 0.5f); }\n\
+        int main(void) {\n    TexturedParameters own = textured_defaults();\n    const vec3 white = textured(&own, 0.25f, 0.75f);\n    \
+        own.image = ramp;\n    const vec3 v = textured(&own, 0.25f, 0.75f);\n    \
+        printf(\"%g %g %g %g\", white.x, v.x, v.y, v.z);\n    return 0;\n}\n";
+    std::fs::write(&source, text + main).expect("a file");
+    let flags = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic"];
+    let built = Command::new("gcc").args(flags).arg(&source).arg("-o").arg(&binary).output().expect("gcc");
+    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
+    assert_eq!(Command::new(&binary).output().expect("the program").stdout, b"2 0.5 1.5 1");
 }
