@@ -94,6 +94,15 @@ impl Dialect {
         }
     }
 
+    /// The declaration of the table of noise, in the text that GLSL and HLSL share.
+    pub(super) fn table(&self) -> &'static str {
+        match self.language {
+            Language::Glsl | Language::Brdf => "const int PERMUTATION[256] = int[256](\n@PERMUTATION@\n);",
+            Language::Hlsl => "static const int PERMUTATION[256] = {\n@PERMUTATION@\n};",
+            Language::C | Language::Wgsl => "",
+        }
+    }
+
     /// A condition that is known.
     pub(super) fn known(&self, holds: bool) -> &'static str {
         if holds { "true" } else { "false" }
@@ -256,8 +265,8 @@ pub(super) const DIALECTS: [Dialect; 5] = [
         reserved: include_str!("reserved/hlsl.txt"),
         lookup: "{t}.SampleLevel({s}, float2({u}, 1.0 - ({v})), 0.0).rgb",
         prologue: "",
-        power: include_str!("prelude/power.hlsl"),
-        noise: include_str!("prelude/noise.hlsl"),
+        power: include_str!("prelude/power.glsl"),
+        noise: include_str!("prelude/noise.glsl"),
     },
     Dialect {
         language: Language::Wgsl,

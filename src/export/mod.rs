@@ -121,7 +121,7 @@ pub fn export(formula: &Formula, name: &str, origin: &str, target: ExportTarget)
         parts.push(dialect.power.to_owned());
     }
     if calls(dialect.primitive(Primitive::Perlin)) {
-        parts.push(dialect.noise.replace("@PERMUTATION@", &table()));
+        parts.push(dialect.noise.replace("@DECLARATION@", dialect.table()).replace("@PERMUTATION@", &table()));
     }
     parts.push(body.trim_start().to_owned());
     let header = header(formula, &function, origin, dialect);

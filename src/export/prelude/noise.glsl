@@ -1,6 +1,4 @@
-const int PERMUTATION[256] = int[256](
-@PERMUTATION@
-);
+@DECLARATION@
 
 float noise_fade(float t) { return t * t * t * (t * (t * 6.0 - 15.0) + 10.0); }
 float noise_mix(float t, float a, float b) { return a + t * (b - a); }
