@@ -1,8 +1,8 @@
 //! Files of BRDF Explorer (Walt Disney Animation Studios): parameters, and a function in GLSL.
 //!
-//! A model of BRDF Explorer is a bidirectional reflectance distribution function. A formula gives the light that leaves
-//! a hit: the function times the cosine of the angle between normal and light, and times π, since the white of a matte
-//! surface is 1 and not 1/π here.
+//! A model there is a bidirectional reflectance distribution function. A formula gives the light that leaves a hit.
+//! That is the function times the cosine of the angle between normal and light, and times π: a white matte surface is
+//! 1 here, not 1/π.
 
 use crate::export::parameters::{ParameterBlock, note};
 use crate::lang::types::Type;

@@ -103,11 +103,6 @@ impl Dialect {
         }
     }
 
-    /// A condition that is known.
-    pub(super) fn known(&self, holds: bool) -> &'static str {
-        if holds { "true" } else { "false" }
-    }
-
     /// The declaration of a value.
     pub(super) fn value(&self, ty: Type, name: &str, value: &str) -> String {
         match self.declarations {
@@ -172,6 +167,41 @@ macro_rules! shading_natives {
     };
 }
 
+/// The functions of C that operations and primitives of the same names call.
+macro_rules! c_functions {
+    ($kind:ident $(, $more:ident $name:literal)*) => {
+        &[
+            ($kind::Sqrt, "sqrtf"), ($kind::Floor, "floorf"), ($kind::Ceil, "ceilf"), ($kind::Abs, "fabsf"),
+            ($kind::Exp, "expf"), ($kind::Exp2, "exp2f"), ($kind::Log, "logf"), ($kind::Log2, "log2f"),
+            ($kind::Sin, "sinf"), ($kind::Cos, "cosf"), ($kind::Tan, "tanf"), ($kind::Asin, "asinf"),
+            ($kind::Acos, "acosf"), ($kind::Atan, "atanf"), ($kind::Atan2, "atan2f"), ($kind::Pow, "powf"),
+            $(($kind::$more, $name)),*
+        ]
+    };
+}
+
+/// GLSL, and what BRDF Explorer has of it.
+const GLSL: Dialect = Dialect {
+    language: Language::Glsl,
+    name: "glsl",
+    doc: "GLSL 4.50",
+    scalar: "float",
+    vector: "vec3",
+    truth: "bool",
+    make_vector: "vec3",
+    number_suffix: "",
+    has_vectors: true,
+    declarations: Declarations::TypeFirst { constant: "", function: "" },
+    natives: shading_natives!(Sign "sign", Fract "fract", Mod "mod", MixS "mix", MixV "mix", LerpS "mix", LerpV "mix", Atan2 "atan",
+        PowerSS "power", Pow "power"),
+    primitives: &[(Primitive::Atan2, "atan"), (Primitive::Pow, "power")],
+    reserved: include_str!("reserved/glsl.txt"),
+    lookup: "texture({t}, vec2({u}, {v})).rgb",
+    prologue: "#version 450\n",
+    power: include_str!("prelude/power.glsl"),
+    noise: include_str!("prelude/noise.glsl"),
+};
+
 /// The languages.
 pub(super) const DIALECTS: [Dialect; 5] = [
     Dialect {
@@ -185,69 +215,15 @@ pub(super) const DIALECTS: [Dialect; 5] = [
         number_suffix: "f",
         has_vectors: false,
         declarations: Declarations::TypeFirst { constant: "const ", function: "static inline " },
-        natives: &[
-            (Operation::Sqrt, "sqrtf"),
-            (Operation::Floor, "floorf"),
-            (Operation::Ceil, "ceilf"),
-            (Operation::Exp, "expf"),
-            (Operation::Exp2, "exp2f"),
-            (Operation::Log, "logf"),
-            (Operation::Log2, "log2f"),
-            (Operation::Sin, "sinf"),
-            (Operation::Cos, "cosf"),
-            (Operation::Tan, "tanf"),
-            (Operation::Asin, "asinf"),
-            (Operation::Acos, "acosf"),
-            (Operation::Atan, "atanf"),
-            (Operation::Atan2, "atan2f"),
-            (Operation::Abs, "fabsf"),
-            (Operation::PowerSS, "powf"),
-            (Operation::Pow, "powf"),
-        ],
-        primitives: &[
-            (Primitive::Sqrt, "sqrtf"),
-            (Primitive::Floor, "floorf"),
-            (Primitive::Ceil, "ceilf"),
-            (Primitive::Abs, "fabsf"),
-            (Primitive::Exp, "expf"),
-            (Primitive::Exp2, "exp2f"),
-            (Primitive::Log, "logf"),
-            (Primitive::Log2, "log2f"),
-            (Primitive::Pow, "powf"),
-            (Primitive::Sin, "sinf"),
-            (Primitive::Cos, "cosf"),
-            (Primitive::Tan, "tanf"),
-            (Primitive::Asin, "asinf"),
-            (Primitive::Acos, "acosf"),
-            (Primitive::Atan, "atanf"),
-            (Primitive::Atan2, "atan2f"),
-        ],
+        natives: c_functions!(Operation, PowerSS "powf"),
+        primitives: c_functions!(Primitive),
         reserved: include_str!("reserved/c.txt"),
         lookup: "{t}({u}, {v})",
         prologue: include_str!("prelude/vectors.c"),
         power: "",
         noise: include_str!("prelude/noise.c"),
     },
-    Dialect {
-        language: Language::Glsl,
-        name: "glsl",
-        doc: "GLSL 4.50",
-        scalar: "float",
-        vector: "vec3",
-        truth: "bool",
-        make_vector: "vec3",
-        number_suffix: "",
-        has_vectors: true,
-        declarations: Declarations::TypeFirst { constant: "", function: "" },
-        natives: shading_natives!(Sign "sign", Fract "fract", Mod "mod", MixS "mix", MixV "mix", LerpS "mix", LerpV "mix", Atan2 "atan",
-            PowerSS "power", Pow "power"),
-        primitives: &[(Primitive::Atan2, "atan"), (Primitive::Pow, "power")],
-        reserved: include_str!("reserved/glsl.txt"),
-        lookup: "texture({t}, vec2({u}, {v})).rgb",
-        prologue: "#version 450\n",
-        power: include_str!("prelude/power.glsl"),
-        noise: include_str!("prelude/noise.glsl"),
-    },
+    GLSL,
     Dialect {
         language: Language::Hlsl,
         name: "hlsl",
@@ -292,28 +268,16 @@ pub(super) const DIALECTS: [Dialect; 5] = [
         language: Language::Brdf,
         name: "brdf",
         doc: "GLSL for BRDF Explorer",
-        scalar: "float",
-        vector: "vec3",
-        truth: "bool",
-        make_vector: "vec3",
-        number_suffix: "",
-        has_vectors: true,
-        declarations: Declarations::TypeFirst { constant: "", function: "" },
-        natives: shading_natives!(Sign "sign", Fract "fract", Mod "mod", MixS "mix", MixV "mix", LerpS "mix", LerpV "mix", Atan2 "atan",
-            PowerSS "power", Pow "power"),
-        primitives: &[(Primitive::Atan2, "atan"), (Primitive::Pow, "power")],
         reserved: include_str!("reserved/brdf.txt"),
-        lookup: "",
         prologue: "",
-        power: include_str!("prelude/power.glsl"),
-        noise: include_str!("prelude/noise.glsl"),
+        ..GLSL
     },
 ];
 
 /// The name of the variable that is 0.
 pub(super) const ZERO: &str = "zero";
 
-/// The names that files may begin with.
+/// The names of what is in files beside the formula.
 pub(super) const PRELUDE: [&str; 11] = [
     ZERO,
     "power",

@@ -1,7 +1,7 @@
 //! Formulas as source text of other languages: C and shading languages.
 //!
-//! One writer writes all of them. `dialect` has a row of spellings for each language. An operation that a language does
-//! not have becomes a function that is written from its meaning in terms of primitives (`helpers`).
+//! The same writer serves all of them. `dialect` has a row of spellings for each language. An operation that a language
+//! does not have becomes a function that is written from its meaning in terms of primitives (`helpers`).
 //!
 //! The text has a function for the colour that a light adds at a hit, before ki, and one for each term of the lighting
 //! equation that the formula gives for every hit. Rays, lights and sums over them stay with the renderer.
@@ -39,7 +39,7 @@ impl ExportTarget {
         (0..DIALECTS.len()).map(ExportTarget)
     }
 
-    /// Its name on the command line, which is also the suffix of files: `glsl`.
+    /// Its name on the command line: `glsl`.
     pub fn name(self) -> &'static str {
         self.dialect().name
     }
@@ -59,8 +59,8 @@ impl ExportTarget {
     }
 }
 
-/// The formula as a text of the target language. `name` is that of the main function, as far as the language allows it;
-/// `origin` says in a comment where the formula comes from.
+/// Writes the formula in the target language. The main function is called `name`, or similarly where the language does
+/// not allow that name. `origin` says in a comment where the formula comes from.
 ///
 /// # Errors
 /// The language cannot express the formula.
@@ -93,15 +93,7 @@ pub fn export(formula: &Formula, name: &str, origin: &str, target: ExportTarget)
     let samplers = members.iter().filter_map(&mut of_texture).collect();
     let [defaults, white] = ["defaults", "white"].map(|what| names.take(&format!("{function}_{what}")));
     let block = ParameterBlock { dialect, formula, name: block, defaults, members, samplers, white };
-    let mut shared = Shared {
-        dialect,
-        formula,
-        parameters: block.readings(),
-        samplers: block.samplers.clone(),
-        first_parameter: block.first_parameter(),
-        names,
-        helpers: BTreeSet::new(),
-    };
+    let mut shared = Shared { dialect, formula, parameters: block.readings(), block: &block, names, helpers: BTreeSet::new() };
     let mut functions = Vec::new();
     for (name, doc, root) in &roots {
         let (text, arguments) = writer::function(&mut shared, name, doc, *root);

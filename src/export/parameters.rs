@@ -26,7 +26,7 @@ impl ParameterBlock<'_> {
     }
 
     /// The sampler of a texture.
-    fn sampler(&self, texture: &str) -> &str {
+    pub(super) fn sampler(&self, texture: &str) -> &str {
         self.samplers.get(texture).map_or("", String::as_str)
     }
 
@@ -40,7 +40,7 @@ impl ParameterBlock<'_> {
         self.members.iter().map(|(id, name)| (*id, reading(*id, name))).collect()
     }
 
-    /// What stands before the parameters of functions.
+    /// What stands before the arguments of functions that read parameters.
     pub(super) fn first_parameter(&self) -> Option<String> {
         (self.dialect.language == Language::C && !self.members.is_empty()).then(|| format!("const {} *parameters", self.name))
     }

@@ -6,6 +6,7 @@
 use crate::export::dialect::Dialect;
 use crate::export::helpers::helper_name;
 use crate::export::names::FreeNames;
+use crate::export::parameters::ParameterBlock;
 use crate::formula::{Formula, ParameterId, Term, TermId};
 use crate::lang::builtins::{Form, Operation, Stack};
 use crate::lang::scalars::Floats;
@@ -62,10 +63,7 @@ pub(super) struct Shared<'s> {
     pub(super) formula: &'s Formula,
     /// How each used parameter is read.
     pub(super) parameters: HashMap<ParameterId, String>,
-    /// The samplers of textures.
-    pub(super) samplers: HashMap<String, String>,
-    /// What stands before the arguments of a function that reads parameters.
-    pub(super) first_parameter: Option<String>,
+    pub(super) block: &'s ParameterBlock<'s>,
     pub(super) names: FreeNames,
     /// The operations that need a function.
     pub(super) helpers: BTreeSet<Operation>,
@@ -78,12 +76,14 @@ struct Function<'f, 's> {
     /// Whether it reads parameters.
     reads: bool,
     statements: Vec<String>,
-    /// The variables that are parameters of the function.
+    /// The variables that it reads, and those that they follow from.
     variables: BTreeMap<Variable, TargetText>,
+    /// Those of them that are arguments.
+    arguments: BTreeSet<Variable>,
 }
 
-/// Writes the function of an expression, with this name. `doc` says what it returns. Returns the variables that are its
-/// arguments, too.
+/// Writes a function of this name that returns an expression, which `doc` describes. Gives its text, and the variables
+/// that are its arguments.
 pub(super) fn function(shared: &mut Shared, name: &str, doc: &str, root: TermId) -> (String, Vec<Variable>) {
     let formula = shared.formula;
     let mut order = formula.terms_of(root);
@@ -93,7 +93,8 @@ pub(super) fn function(shared: &mut Shared, name: &str, doc: &str, root: TermId)
     let macros: HashMap<TermId, &str> = formula.macros.iter().map(|(name, id)| (*id, &**name)).collect();
     let names = shared.names.inside();
     let reads = order.iter().any(|id| matches!(formula.term(*id), Term::Parameter(_)));
-    let mut function = Function { shared, names, reads, statements: Vec::new(), variables: BTreeMap::new() };
+    let (statements, variables, arguments) = (Vec::new(), BTreeMap::new(), BTreeSet::new());
+    let mut function = Function { shared, names, reads, statements, variables, arguments };
     // Parameters first, so that they have their names.
     let read = order.iter().filter_map(|id| match formula.term(*id) {
         Term::Variable(variable) => Some(*variable),
@@ -134,17 +135,16 @@ pub(super) fn function(shared: &mut Shared, name: &str, doc: &str, root: TermId)
 impl Function<'_, '_> {
     /// The function with its documentation, and its arguments.
     fn finish(self, name: &str, doc: &str, result: &TargetText) -> (String, Vec<Variable>) {
-        let Self { shared, reads, statements, variables, .. } = self;
+        let Self { shared, reads, statements, variables, arguments, .. } = self;
         let mut lines = vec![format!("// {doc}")];
-        let base = || variables.iter().filter(|(variable, _)| !is_derived(**variable));
-        lines.extend(base().map(|(variable, own)| format!("// {}: {}", own.text, variable.doc())));
-        let own = base().map(|(variable, own)| shared.dialect.parameter(variable.ty(), &own.text));
-        let parameters: Vec<String> = shared.first_parameter.iter().filter(|_| reads).cloned().chain(own).collect();
+        lines.extend(arguments.iter().map(|variable| format!("// {}: {}", variables[variable].text, variable.doc())));
+        let own = arguments.iter().map(|variable| shared.dialect.parameter(variable.ty(), &variables[variable].text));
+        let parameters: Vec<String> = shared.block.first_parameter().filter(|_| reads).into_iter().chain(own).collect();
         lines.push(shared.dialect.function(result.ty, name, &parameters));
         lines.extend(statements.iter().map(|statement| format!("    {statement}")));
         lines.push(format!("    return {};", result.text));
         lines.push("}\n".to_owned());
-        (lines.join("\n"), base().map(|(variable, _)| *variable).collect())
+        (lines.join("\n"), arguments.into_iter().collect())
     }
 
     /// Declares a value. Its name is the wanted one, if that is free.
@@ -168,7 +168,10 @@ impl Function<'_, '_> {
         }
         let written = match self.derived(variable) {
             Some(value) => self.value(variable.name(), value),
-            None => TargetText::atom(self.names.take(variable.name()), variable.ty()),
+            None => {
+                self.arguments.insert(variable);
+                TargetText::atom(self.names.take(variable.name()), variable.ty())
+            }
         };
         self.variables.insert(variable, written.clone());
         written
@@ -228,11 +231,9 @@ impl Function<'_, '_> {
         })
     }
 
-    /// An operation on written operands.
+    /// An operation on written operands. They have its types: the checker makes conversions terms of their own.
     fn apply(&mut self, operation: Operation, operands: Vec<TargetText>) -> TargetText {
         let dialect = self.shared.dialect;
-        let wanted = operation.operands().iter().zip(operands);
-        let operands: Vec<TargetText> = wanted.map(|(ty, operand)| self.as_type(operand, *ty)).collect();
         if let Some(folded) = self.folded(operation, &operands) {
             return folded;
         }
@@ -276,7 +277,7 @@ impl Function<'_, '_> {
                 }
             }
             (Operation::TextureColour, _, [texture, u, v]) => {
-                let sampler = self.shared.samplers.get(&texture.text).map_or("", String::as_str);
+                let sampler = self.shared.block.sampler(&texture.text);
                 let text = dialect
                     .lookup
                     .replace("{t}", &texture.text)
@@ -293,7 +294,6 @@ impl Function<'_, '_> {
             (Operation::PowerSS | Operation::Pow, _, [base, exponent]) if dialect.has_vectors => {
                 self.power(base, exponent, operation)
             }
-            (Operation::Pi, ..) => self.number(std::f32::consts::PI),
             (operation, _, operands) => match dialect.native(operation) {
                 Some(name) => TargetText::atom(call(name, operands), ty),
                 None => {
@@ -310,9 +310,6 @@ impl Function<'_, '_> {
         for operand in operands {
             operand.known.as_ref()?.iter().for_each(|number| stack.push(*number));
         }
-        if operation.operands().contains(&Type::Texture) {
-            return None;
-        }
         operation.apply(&mut Floats, &mut stack);
         Some(match operation.result() {
             Type::Vector => {
@@ -323,7 +320,7 @@ impl Function<'_, '_> {
             }
             Type::Truth => {
                 let known = stack.pop::<1>();
-                let text = self.shared.dialect.known(known[0] != 0.0).to_owned();
+                let text = (known[0] != 0.0).to_string();
                 TargetText { known: Some(known.as_slice().into()), ..TargetText::atom(text, Type::Truth) }
             }
             Type::Scalar | Type::Texture => self.number(stack.pop::<1>()[0]),
@@ -332,13 +329,14 @@ impl Function<'_, '_> {
 
     /// A power. Small whole exponents become products: no shading language has a fast function for them.
     fn power(&mut self, base: &TargetText, exponent: &TargetText, operation: Operation) -> TargetText {
-        let Some((_, times)) = PRODUCTS.iter().find(|(text, _)| *text == exponent.text) else {
+        let factors = exponent.known.as_ref().and_then(|known| PRODUCTS.into_iter().find(|factors| *factors as f32 == known[0]));
+        let Some(factors) = factors else {
             let name = self.shared.dialect.native(operation).unwrap_or("pow");
             return TargetText::atom(call(name, &[base.clone(), exponent.clone()]), Type::Scalar);
         };
         let is_name = base.precedence == Precedence::Atom && !base.text.contains('(');
         let base = if is_name { base.clone() } else { self.value("v", base.clone()) };
-        let text = vec![&*base.text; *times].join(" * ");
+        let text = vec![&*base.text; factors].join(" * ");
         TargetText { text, precedence: Precedence::Product, ty: Type::Scalar, known: None }
     }
 
@@ -363,37 +361,10 @@ impl Function<'_, '_> {
         let components: Vec<TargetText> = components.collect();
         TargetText::atom(call(self.shared.dialect.make_vector, &components), Type::Vector)
     }
-
-    /// The operand as a number or a condition, if it is the other.
-    fn as_type(&mut self, operand: TargetText, ty: Type) -> TargetText {
-        let dialect = self.shared.dialect;
-        match (operand.ty, ty) {
-            (Type::Truth, Type::Scalar) if operand.known.is_some() => {
-                let number = operand.known.and_then(|known| known.first().copied()).unwrap_or_default();
-                self.number(number)
-            }
-            (Type::Truth, Type::Scalar) => {
-                let [one, zero] = [1.0, 0.0].map(|number| self.number(number).text);
-                let text = dialect.select(&operand.within(Precedence::Atom), &one, &zero);
-                TargetText { text, precedence: Precedence::Conditional, ty, known: None }
-            }
-            (Type::Scalar, Type::Truth) => {
-                let text = format!("{} != {}", operand.within(Precedence::Sum), self.number(0.0).text);
-                TargetText { text, precedence: Precedence::Equality, ty, known: None }
-            }
-            _ => operand,
-        }
-    }
 }
 
-/// The exponents that become products of this many factors.
-const PRODUCTS: [(&str, usize); 4] = [("2.0", 2), ("3.0", 3), ("4.0", 4), ("5.0", 5)];
-
-/// Whether a variable follows from others.
-fn is_derived(variable: Variable) -> bool {
-    use Variable::{Alpha, Beta, Bitangent, Gamma, Halfway, Mirrored};
-    matches!(variable, Mirrored | Halfway | Bitangent | Alpha | Beta | Gamma)
-}
+/// The exponents that become products of as many factors.
+const PRODUCTS: std::ops::RangeInclusive<usize> = 2..=5;
 
 /// A call with these arguments.
 fn call(function: &str, arguments: &[TargetText]) -> String {

@@ -190,8 +190,7 @@ impl TileProgram {
                     for span in &inputs.tile.spans[spans.clone()] {
                         let segments = inputs.tile.segments_of(span);
                         let is_of_hits = matches!(inputs.class(span.path), WeightClass::OfHits | WeightClass::PlainOfHits);
-                        let of_hits = |_: &&HitWeights| is_of_hits;
-                        match inputs.hit_weights.as_ref().filter(of_hits) {
+                        match inputs.hit_weights.as_ref().filter(|_| is_of_hits) {
                             Some(weights) if weights.collect(segments, span.hits.start, sums, *channels) => {}
                             Some(weights) => planes.add_weighted(segments, span.hits.start, sums, weights, *channels),
                             None => planes.add(segments, sums, inputs.weights[span.path.index()], *channels),

@@ -211,7 +211,8 @@ impl SurfaceSummation<'_> {
         let SurfaceScratch { outputs, plain, is_plain, exact, live, is_unbounded, collects, collected, .. } = scratch;
         let rays = EdgeOutputs { lines: outputs, columns: self.compiled.outputs.overwrite.outputs(), width };
         let weights = |path: &Path, edge: usize| self.ray_weights(tile, path, edge);
-        *is_plain = plain.multiply(nodes, tile, &rays, (|path: &Path| weight_of(path.edge), weights), |path| needed[path], live);
+        let is_needed = |path: usize| needed.as_ref().is_none_or(|needed| needed[path]);
+        *is_plain = plain.multiply(nodes, tile, &rays, (|path: &Path| weight_of(path.edge), weights), is_needed, live);
         (*is_unbounded, *collects) = (false, false);
         collected.clear();
         if !*is_plain {
@@ -230,20 +231,18 @@ impl SurfaceSummation<'_> {
         }
     }
 
-    /// Which paths of a tile count: those that add something, and those on the way to them. All count in pictures: an
-    /// infinite weight is seen even if nothing shines there.
-    fn needed(&self, tile: &Tile) -> Vec<bool> {
-        let adds = |path: &Path| match &self.adds_on {
-            Some(bodies) => path.body.is_some_and(|body| bodies[body.index()]),
-            None => true,
-        };
+    /// Which paths of a tile count: those that add something, and those on the way to them. `None`: all count, because
+    /// in a picture an infinite weight is seen even if nothing shines there.
+    fn needed(&self, tile: &Tile) -> Option<Vec<bool>> {
+        let bodies = self.adds_on.as_ref()?;
+        let adds = |path: &Path| path.body.is_some_and(|body| bodies[body.index()]);
         let mut needed: Vec<bool> = tile.paths.iter().map(adds).collect();
         for (index, path) in tile.paths.iter().enumerate().rev() {
             if let Some(parent) = path.parent.filter(|_| needed[index]) {
                 needed[parent.index()] = true;
             }
         }
-        needed
+        Some(needed)
     }
 
     /// The weights of the rays of a path, which came along this edge.
