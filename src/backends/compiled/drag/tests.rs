@@ -1,10 +1,12 @@
 //! The stored data of drags, on a built-in session.
 
 use super::*;
+use crate::evaluate::Evaluator;
 use crate::formula::Formula;
 use crate::jit::CompiledFormula;
 use crate::lang::source::Source;
 use crate::lang::variables::EvaluatedLights;
+use crate::picture::ViewTransform;
 use crate::scene::Scene;
 use crate::trace::{Budget, View, trace};
 use crate::workspace::{FileKind, presets};
@@ -32,6 +34,22 @@ fn session() -> (Arc<Compiled>, Values) {
     );
     let (given, _) = session.assignments(Values::defaults(&formula, world.scene()).table());
     let (values, _) = Values::new(&formula, world.scene(), &given);
+    let compiled = Arc::new(CompiledFormula::new(&formula).expect("a formula of ordinary size"));
+    (Arc::new(Compiled::new(compiled, &Arc::new(formula), &[hits], values.numbers()).expect("hits of the scene")), values)
+}
+
+/// The crystals as mirrors, by a formula that gives weights of rays, with default values.
+fn mirrors() -> (Arc<Compiled>, Values) {
+    let formula = "body_specific; h: scalar, constraint 1..200, default 20; formula;
+        reflected = 0.3 + 0.6*(1 - max(0, N.V))^2; refracted = 0.4*max(0, N.V);
+        = IL*Cd*(max(0, N.L)*sin(9*alpha)*cos(5*beta)*exp(gamma) + 1 + max(0, R.V)^h);";
+    let (formula, _) = Formula::parse(&Source::new("mirrors", formula)).expect("a formula");
+    let (scene, _) = Scene::parse(&source(FileKind::Scene, "crystals")).expect("a scene");
+    let view = View::new(256, 144).and_then(|view| view.with_depth(4)).expect("a size and a depth in range");
+    let world = Arc::new(World::new(scene, &Assets::NONE).expect("no meshes"));
+    let (lights, unstopped) = (EvaluatedLights::Reaching, AtomicBool::new(false));
+    let hits = Arc::new(trace(&world, &view, lights, &Budget::UNLIMITED, &|_| {}, &unstopped).expect("small enough"));
+    let values = Values::defaults(&formula, world.scene());
     let compiled = Arc::new(CompiledFormula::new(&formula).expect("a formula of ordinary size"));
     (Arc::new(Compiled::new(compiled, &Arc::new(formula), &[hits], values.numbers()).expect("hits of the scene")), values)
 }
@@ -168,5 +186,29 @@ fn stored_data_is_kept_only_where_it_is_faster() {
         while !drag.prepare() {}
         assert_eq!(drag.method(), method, "{slider}");
         assert_eq!(drag.bytes() > 0, method != Method::General, "{slider}");
+    }
+}
+
+#[test]
+fn what_moves_is_seen_in_mirrors_whose_weights_the_formula_gives() {
+    let (compiled, values) = mirrors();
+    for slider in ["floor.h", "gold.h"] {
+        let moved = moved_by(&values, slider);
+        let mut drag = CompiledDrag::new(&compiled, &moved, values.numbers(), usize::MAX, None).expect("kernels");
+        while !drag.prepare() {}
+        let live = drag.tiles.iter().filter(|tile| matches!(tile.state, TileState::Live(_))).count();
+        assert!(live > 2, "{slider}: {live} tiles");
+        let view = ViewTransform::default();
+        let (mut dragged, mut whole) = (Framebuffer::black(256, 144, view), Framebuffer::black(256, 144, view));
+        for exponent in [20.0, 3.0, 150.0] {
+            let mut numbers = values.numbers().to_vec();
+            moved.iter().for_each(|index| numbers[*index] = exponent);
+            drag.frame(&numbers, &mut dragged);
+            Evaluator::draw(&*compiled, &numbers, &mut whole);
+            let bytes =
+                |framebuffer: &Framebuffer| framebuffer.pixels.iter().flat_map(|pixel| pixel.to_le_bytes()).collect::<Vec<u8>>();
+            let difference = bytes(&dragged).iter().zip(bytes(&whole)).map(|(own, other)| own.abs_diff(other)).max();
+            assert!(difference <= Some(1), "{slider} = {exponent}: {difference:?}");
+        }
     }
 }
