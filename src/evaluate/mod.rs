@@ -3,12 +3,13 @@
 //! A [`Backend`] makes an [`Evaluator`] of a formula for a scene and a view. The evaluator makes a picture for any
 //! parameter numbers. A [`Drag`] makes the pictures while a slider is held. The backends are in
 //! [`backends`](crate::backends). They share the [`Framebuffer`] and the weights of ray paths. [`inspect`] explains one
-//! pixel, and [`review`] a picture that shows nothing.
+//! pixel, and [`review`] a picture that shows nothing. [`at_point`] has a formula without a scene.
 //!
 //! Parameter numbers are one array in the order of [`Layout`](crate::formula::layout::Layout). Each number is finite
 //! and within the range of its parameter, as after [`Parameter::clamp`](crate::formula::Parameter::clamp). Compiled
 //! code relies on that: outside the ranges a picture may be wrong.
 
+pub mod at_point;
 mod drag;
 mod framebuffer;
 pub mod inspect;

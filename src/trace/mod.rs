@@ -20,6 +20,7 @@ mod replay;
 mod segment;
 mod shadow_rays;
 mod store;
+pub mod tables;
 #[cfg(test)]
 mod tests;
 mod tracer;

@@ -25,6 +25,7 @@ pub mod warning;
 pub use asset_store::{AssetLoadError, AssetStore};
 pub use assignment::{Assignment, FileValue, NamedAssignment};
 pub use file_kind::FileKind;
+#[cfg(feature = "window")]
 pub(crate) use images::LINEAR_SUFFIXES;
 pub(crate) use location::PRESET;
 pub use location::{Location, read_source, unknown_preset};

@@ -1,9 +1,9 @@
 //! Formulas in other languages: compilers take the texts, and compiled C computes what the formula means.
 
+use illuminator::evaluate::at_point::term_values;
 use illuminator::export::{ExportTarget, export};
 use illuminator::formula::{Formula, Term, TermId};
-use illuminator::lang::builtins::{Operation, Stack};
-use illuminator::lang::scalars::Floats;
+use illuminator::lang::builtins::Operation;
 use illuminator::lang::source::Source;
 use illuminator::lang::types::Type;
 use illuminator::lang::variables::Variable;
@@ -71,38 +71,7 @@ fn the_formulas_of_these_tests_have_every_operation() {
 
 /// The value of an expression by the reference meaning.
 fn value(formula: &Formula, root: TermId, variables: &HashMap<Variable, [f32; 3]>, parameters: &[[f32; 3]]) -> [f32; 3] {
-    let mut stack = Stack::new(64, 0.0);
-    let mut values: Vec<[f32; 3]> = Vec::new();
-    for index in 0..=root.0 {
-        let id = TermId(index);
-        let popped = |stack: &mut Stack<f32>| match formula.ty(id) {
-            Type::Vector => stack.pop::<3>(),
-            Type::Scalar | Type::Truth | Type::Texture => [stack.pop::<1>()[0]; 3],
-        };
-        let found = match formula.term(id) {
-            Term::Number(number) => [*number; 3],
-            Term::Variable(variable) => variables[variable],
-            Term::Parameter(id) => parameters[id.0 as usize],
-            Term::Apply(operation, operands) => {
-                for (operand, ty) in operands.iter().zip(operation.operands()) {
-                    values[operand.0 as usize][..ty.slots()].iter().for_each(|number| stack.push(*number));
-                }
-                operation.apply(&mut Floats, &mut stack);
-                popped(&mut stack)
-            }
-            Term::ByComponents(operation, operands) => {
-                let vectors = formula.vectors(operands);
-                for (number, operand) in operands.iter().enumerate() {
-                    let slots = if vectors >> number & 1 == 1 { 3 } else { 1 };
-                    values[operand.0 as usize][..slots].iter().for_each(|number| stack.push(*number));
-                }
-                operation.apply_by_components(vectors, &mut Floats, &mut stack);
-                stack.pop::<3>()
-            }
-        };
-        values.push(found);
-    }
-    values[root.0 as usize]
+    term_values(formula, &|variable| variables[&variable], &|id| parameters[id.0 as usize])[root.0 as usize]
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {

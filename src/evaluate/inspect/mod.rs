@@ -26,10 +26,10 @@ pub use report::{
 };
 pub use text::left_out;
 
+use crate::evaluate::at_point::term_values;
 use crate::evaluate::equation_in;
 use crate::formula::equation::{Equation, EquationTerm, Site, weighed, weighed_by, weight_parameter};
-use crate::formula::{Formula, ParameterId, Term};
-use crate::lang::builtins::Stack;
+use crate::formula::{Formula, ParameterId};
 use crate::lang::scalars::{Floats, Scalars, flush};
 use crate::lang::surface_terms::SurfaceTerm;
 use crate::lang::variables::{Owner, Predefined, Variable};
@@ -283,38 +283,18 @@ impl<'i> Inspector<'i> {
         value: &dyn Fn(Variable) -> [f32; 3],
     ) -> Vec<[f32; 3]> {
         let colour_of_light = formula.predefined(Predefined::LightColour);
-        let mut values: Vec<[f32; 3]> = Vec::with_capacity(formula.terms.len());
-        let mut stack = Stack::new(16, 0.0);
-        let mut operands_at_hand = Vec::new();
-        for term in &formula.terms {
-            values.push(match term {
-                Term::Number(value) => [flush(*value); 3],
-                Term::Variable(symbol) => value(*symbol).map(flush),
-                Term::Parameter(id) => {
-                    let owner = match formula.parameter(*id).owner {
-                        Owner::Global => Some(0),
-                        Owner::Body => Some(body.index()),
-                        Owner::Light => source.map(|source| source.light.index()),
-                    };
-                    let own = owner.map_or([0.0; 3], |owner| self.parameter(*id, owner));
-                    match source.filter(|_| *id == colour_of_light) {
-                        Some(source) => std::array::from_fn(|at| Floats.mul(own[at], flush(source.radiance[at]))),
-                        None => own,
-                    }
-                }
-                Term::Apply(operation, operands) => {
-                    operands_at_hand.clear();
-                    operands_at_hand.extend(operands.iter().map(|operand| values[operand.0 as usize]));
-                    operation.on_numbers(&operands_at_hand, &mut stack)
-                }
-                Term::ByComponents(operation, operands) => std::array::from_fn(|component| {
-                    operands_at_hand.clear();
-                    operands_at_hand.extend(operands.iter().map(|operand| [values[operand.0 as usize][component]; 3]));
-                    operation.on_numbers(&operands_at_hand, &mut stack)[0]
-                }),
-            });
-        }
-        values
+        term_values(formula, value, &|id| {
+            let owner = match formula.parameter(id).owner {
+                Owner::Global => Some(0),
+                Owner::Body => Some(body.index()),
+                Owner::Light => source.map(|source| source.light.index()),
+            };
+            let own = owner.map_or([0.0; 3], |owner| self.parameter(id, owner));
+            match source.filter(|_| id == colour_of_light) {
+                Some(source) => std::array::from_fn(|at| Floats.mul(own[at], flush(source.radiance[at]))),
+                None => own,
+            }
+        })
     }
 
     fn predefined(&self, predefined: Predefined, owner: usize) -> [f32; 3] {
