@@ -1,0 +1,147 @@
+//! Drags: a slider that is held.
+
+use crate::arrays;
+use crate::diagnostics::{engine_failure, failure};
+use crate::session::{Session, State, find, mean, numbers};
+use crate::work::{interruptible, lock};
+use illuminator::engine::{EngineError, Task};
+use illuminator::evaluate::{Drag as EngineDrag, DragBeginning, Evaluator, Framebuffer};
+use illuminator::formula::ParameterId;
+use illuminator::lang::types::Type;
+use illuminator::picture::Frame;
+use illuminator::workspace::OwnerId;
+use numpy::PyArray3;
+use pyo3::prelude::*;
+use rayon::ThreadPool;
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, Mutex};
+
+/// The memory that a drag may keep, in bytes, if there is no limit.
+const MOST: usize = 1 << 30;
+
+/// A held slider, see [`Session::drag`]. It begins with the `with` block.
+#[pyclass(module = "illuminator", frozen)]
+pub(crate) struct Drag {
+    session: Py<Session>,
+    owner: OwnerId,
+    id: ParameterId,
+    name: String,
+    held: Mutex<Option<Held>>,
+}
+
+/// What is prepared while the slider is held.
+struct Held {
+    drag: Box<dyn EngineDrag>,
+    evaluator: Arc<dyn Evaluator>,
+    framebuffer: Framebuffer,
+    pool: Option<Arc<ThreadPool>>,
+}
+
+#[pymethods]
+impl Drag {
+    /// Prepares everything that pictures of this slider need.
+    fn __enter__(slf: Bound<'_, Self>) -> PyResult<Bound<'_, Self>> {
+        let py = slf.py();
+        let this = slf.get();
+        let session = this.session.get();
+        let hold = |task: &Task| this.hold(&mut lock(&session.state), task);
+        let held = interruptible(py, hold)?.map_err(engine_failure)?;
+        let large = "the passes of the picture do not fit into the memory together, so there are no drags; take fewer `samples`";
+        *lock(&this.held) = Some(held.ok_or_else(|| failure(large))?);
+        Ok(slf)
+    }
+
+    /// The picture with the slider at this value, as [`Session.render`] gives it. The session keeps the value.
+    fn __call__<'py>(&self, py: Python<'py>, value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray3<f32>>> {
+        let value = self.numbers(value)?;
+        let frame = py.detach(|| self.linear(value))?;
+        arrays::picture(py, frame)
+    }
+
+    /// The picture with the slider at this value as bytes, as [`Session.image`] gives it: the fastest way to a picture
+    /// to look at.
+    fn image<'py>(&self, py: Python<'py>, value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray3<u8>>> {
+        let value = self.numbers(value)?;
+        let (bytes, size) = py.detach(|| self.bytes(value))?;
+        arrays::bytes(py, bytes, size)
+    }
+
+    /// How pictures are made: a word.
+    #[getter]
+    fn method(&self) -> PyResult<&'static str> {
+        lock(&self.held).as_ref().map(|held| held.drag.method().name()).ok_or_else(not_held)
+    }
+
+    fn __exit__(&self, _kind: &Bound<'_, PyAny>, _error: &Bound<'_, PyAny>, _trace: &Bound<'_, PyAny>) {
+        *lock(&self.held) = None;
+    }
+
+    fn __repr__(&self) -> String {
+        let held = if lock(&self.held).is_some() { "held" } else { "not held" };
+        format!("<Drag of {}, {held}>", self.name)
+    }
+}
+
+fn not_held() -> PyErr {
+    failure("the slider is not held; write `with session.drag(…) as drag:` and call `drag` in it")
+}
+
+impl Drag {
+    /// A drag of the value of this name. Nothing is prepared yet.
+    pub(crate) fn new(session: Bound<'_, Session>, name: &str) -> PyResult<Self> {
+        let values = session.get().values_now();
+        let (owner, id) = find(values.table(), name)?;
+        if let Some(reason) = values.lock_of(owner, id) {
+            return Err(failure(format!("`{name}` cannot be moved: {reason}")));
+        }
+        if values.table().parameter(id).ty == Type::Texture {
+            return Err(failure(format!("`{name}` is a texture, which no slider moves; use `set`")));
+        }
+        Ok(Self { session: session.unbind(), owner, id, name: name.to_owned(), held: Mutex::new(None) })
+    }
+
+    /// Prepares everything; `None` if the passes of the picture do not fit into the memory together.
+    fn hold(&self, state: &mut State, task: &Task) -> Result<Option<Held>, EngineError> {
+        let (numbers, moved) = (state.values.numbers().to_vec(), state.values.moved_indices(self.owner, self.id));
+        let pool = state.pool();
+        State::on_threads(pool.clone().as_deref(), || {
+            let Some(evaluator) = state.evaluator(task)? else { return Ok(None) };
+            let picture = mean(&*evaluator, &numbers, task)?;
+            let framebuffer = Framebuffer::black(picture.width, picture.height, state.picture.view);
+            let beginning = DragBeginning { picture: Arc::new(picture), passes: evaluator.passes() };
+            let mut drag = Arc::clone(&evaluator).drag(&moved, &numbers, MOST, Some(&beginning))?;
+            while !task.cancelled.load(Ordering::Relaxed) && !drag.prepare() {}
+            Ok(Some(Held { drag, evaluator, framebuffer, pool }))
+        })
+    }
+
+    /// A value of this slider as three numbers.
+    fn numbers(&self, value: &Bound<'_, PyAny>) -> PyResult<[f32; 3]> {
+        numbers(self.session.get().values_now().table().parameter(self.id), value)
+    }
+
+    /// Moves the value. Returns all parameter numbers.
+    fn moved(&self, value: [f32; 3]) -> Vec<f32> {
+        let mut state = lock(&self.session.get().state);
+        state.values.move_to(self.owner, self.id, value);
+        state.values.numbers().to_vec()
+    }
+
+    fn linear(&self, value: [f32; 3]) -> PyResult<Frame> {
+        let mut held = lock(&self.held);
+        let Held { drag, evaluator, pool, .. } = held.as_mut().ok_or_else(not_held)?;
+        let numbers = self.moved(value);
+        // Where images do not give the linear picture, it is evaluated.
+        let known = move || drag.linear(&numbers).unwrap_or_else(|| evaluator.frame(&numbers));
+        Ok(State::on_threads(pool.as_deref(), known))
+    }
+
+    fn bytes(&self, value: [f32; 3]) -> PyResult<(Vec<u8>, [u32; 2])> {
+        let mut held = lock(&self.held);
+        let Held { drag, framebuffer, pool, .. } = held.as_mut().ok_or_else(not_held)?;
+        let numbers = self.moved(value);
+        State::on_threads(pool.as_deref(), || drag.frame(&numbers, framebuffer));
+        let bytes = framebuffer.pixels.iter().flat_map(|pixel| [16, 8, 0].map(|shift| (pixel >> shift) as u8)).collect();
+        Ok((bytes, [framebuffer.width, framebuffer.height]))
+    }
+}
