@@ -238,8 +238,8 @@ impl Engine {
     }
 
     /// The picture of these parameter numbers, in the order of the [`Layout`](crate::formula::layout::Layout): the
-    /// mean of this many passes (0 counts as 1), in linear RGB, not clamped. It may contain NaN. Each pass is
-    /// traced, see [`View::with_pass`].
+    /// mean of this many passes (0 counts as 1) from that of the view on, in linear RGB, not clamped. It may contain
+    /// NaN. Each pass is traced, see [`View::with_pass`].
     ///
     /// # Errors
     /// One of the stages failed.
@@ -277,7 +277,8 @@ impl Engine {
         let kept = if count == 1 { 0 } else { (parameters.len() as u64).saturating_sub(1) };
         let mut sums: Vec<(Frame, Duration)> = Vec::new();
         for pass in 0..count {
-            let subject = Subject { view: subject.view.with_pass(pass), ..subject.clone() };
+            let view = subject.view.with_pass(subject.view.pass() + pass);
+            let subject = Subject { view, ..subject.clone() };
             let tell = |share: f64| (task.progress)((f64::from(pass) + share) / f64::from(count));
             let frames = parameters.len() as f64;
             let traced = |share: f64| tell(share * TRACING / (TRACING + frames));

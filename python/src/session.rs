@@ -218,6 +218,12 @@ impl Session {
         sweep::sweep(py, self, &vary)
     }
 
+    /// The varied values of the pictures of a sweep, by name, without the pictures: what workers share out.
+    #[pyo3(signature = (*vary))]
+    fn variations(&self, py: Python<'_>, vary: Vec<String>) -> PyResult<Vec<Py<PyDict>>> {
+        sweep::variations(py, self, &vary)
+    }
+
     /// Everything that tracing found, as arrays by name: `hits.pixel`, `hits.N`, `records.L`, `misses.direction`,
     /// `paths.parent` and others. A row of `records` is a pair of a hit and a light. The largest number of a column of
     /// whole numbers stands for none.

@@ -46,8 +46,8 @@ impl Sweep {
     }
 }
 
-/// Makes the pictures of a sweep, see [`Session`].
-pub(crate) fn sweep(py: Python<'_>, session: &Session, vary: &[String]) -> PyResult<Sweep> {
+/// The values of all pictures of a sweep, and the varied ones by name.
+fn cells(py: Python<'_>, session: &Session, vary: &[String]) -> PyResult<Vec<(Values, Py<PyDict>)>> {
     let base = session.values_now();
     let varied = vary
         .iter()
@@ -57,13 +57,24 @@ pub(crate) fn sweep(py: Python<'_>, session: &Session, vary: &[String]) -> PyRes
     let count = count.filter(|count| *count <= MOST_PICTURES && !varied.is_empty());
     let count =
         count.ok_or_else(|| failure(format!("give one to {MOST_PICTURES} pictures, as in `sweep(\"ball.kd=0..1:5\")`")))?;
-    let mut all = Vec::new();
-    let mut values = Vec::new();
-    for index in 0..count {
-        let (cell, names) = cell(py, &base, &varied, index)?;
-        all.push(cell.numbers().to_vec());
-        values.push(names.unbind());
-    }
+    (0..count)
+        .map(|index| {
+            let (values, names) = cell(py, &base, &varied, index)?;
+            Ok((values, names.unbind()))
+        })
+        .collect()
+}
+
+/// The varied values of all pictures of a sweep, see [`Session`].
+pub(crate) fn variations(py: Python<'_>, session: &Session, vary: &[String]) -> PyResult<Vec<Py<PyDict>>> {
+    Ok(cells(py, session, vary)?.into_iter().map(|(_, names)| names).collect())
+}
+
+/// Makes the pictures of a sweep, see [`Session`].
+pub(crate) fn sweep(py: Python<'_>, session: &Session, vary: &[String]) -> PyResult<Sweep> {
+    let (cells, values): (Vec<Values>, Vec<Py<PyDict>>) = cells(py, session, vary)?.into_iter().unzip();
+    let all: Vec<Vec<f32>> = cells.iter().map(|values| values.numbers().to_vec()).collect();
+    let count = all.len();
     let (size, length) = room(session, count)?;
     let numbers = interruptible(py, |task| -> Result<Vec<f32>, EngineError> {
         let mut pictures = Vec::with_capacity(length);

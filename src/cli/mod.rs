@@ -10,6 +10,7 @@ mod draw;
 mod dump;
 mod engine;
 mod export;
+mod farm;
 mod fmt;
 mod hits;
 mod import;

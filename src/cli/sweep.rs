@@ -5,10 +5,12 @@
 mod cells;
 mod findings;
 mod lettering;
+mod parts;
 mod sheet;
 mod target;
 
 use crate::cli::engine;
+use crate::cli::farm::FarmOptions;
 use crate::cli::input::load;
 use crate::cli::options::{InputOptions, PictureOptions, read, whole};
 use crate::cli::output::PictureTarget;
@@ -52,6 +54,8 @@ pub(super) struct Options {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
+    farm: FarmOptions,
+    #[command(flatten)]
     input: InputOptions,
     #[command(flatten)]
     picture: PictureOptions,
@@ -71,6 +75,9 @@ struct Made<'s> {
     set: &'s [String],
     /// The time to evaluate and write it.
     seconds: f64,
+    /// Whether it was there already.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    kept: bool,
     /// Its place on a contact sheet: left, top, width and height in pixels.
     #[serde(skip_serializing_if = "Option::is_none")]
     place: Option<[u32; 4]>,
@@ -99,6 +106,7 @@ fn by_name(values: &[(String, Vec<f32>)]) -> BTreeMap<&str, Numbers<'_>> {
 
 /// Makes the pictures.
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
+    let start = Instant::now();
     let target = SweepTarget::new(&options.output)?;
     check_options(options, &target)?;
     let input = load(&options.input, &options.picture.passes)?;
@@ -107,12 +115,21 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     target.check(count, &input.files)?;
     check_numbers(&input, count, options)?;
     let cells = Cells::new(&input, &varied)?;
-    let picture = input.picture.size;
     let sheet = match target {
-        SweepTarget::Sheet(_) => Some(Sheet::new(&title(&input), &cells.parameters, picture, options.columns)?),
+        SweepTarget::Sheet(_) => Some(Sheet::new(&title(&input), &cells.parameters, input.picture.size, options.columns)?),
         SweepTarget::Numbered(_) => None,
     };
     cells.warn();
+    let work = parts::SweepInParts { options, project: &input, cells: &cells, start };
+    if let Some(kind) = options.farm.job {
+        return work.write_job(kind, &target);
+    }
+    if options.farm.merge {
+        return work.merge(&target, sheet);
+    }
+    if let Some(part) = options.farm.part {
+        return work.make_part(part, &target);
+    }
     let mut output = SweepOutput {
         project: &input,
         cells: &cells.cells,
@@ -123,14 +140,11 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         findings: Findings::default(),
         seconds: Vec::new(),
     };
-    engine::on_threads(&options.input.machine, || make(options, &mut output))??;
+    let all: Vec<usize> = (0..cells.cells.len()).collect();
+    engine::on_threads(&options.input.machine, || make(options, &mut output, &all))??;
     output.findings.say(&cells.cells);
     output.finish()?;
-    if !options.json {
-        return Ok(());
-    }
-    let made: Vec<_> = (0..cells.cells.len()).map(|index| output.made(index, picture)).collect();
-    print_json(&made)
+    output.list(options, &all, &[])
 }
 
 /// Refuses options that do not go together, and warns of those without an effect.
@@ -204,33 +218,38 @@ fn title(project: &Project) -> String {
     illuminator::lang::display_text::one_line(&text)
 }
 
-/// Makes all pictures and passes them on.
-fn make(options: &Options, output: &mut SweepOutput) -> Result<(), Failure> {
+/// The memory that is left beside a contact sheet, in bytes.
+fn memory_beside(sheet: &Sheet, allowed: u64) -> Result<u64, Failure> {
+    let [width, height] = sheet.size().map(u64::from);
+    let needed = width * height * BYTES_PER_SHEET_PIXEL;
+    allowed.checked_sub(needed).ok_or_else(|| {
+        let (needed, allowed) = (MemorySize(needed), MemorySize(allowed));
+        let message = format!("the contact sheet takes {needed} of memory, and {allowed} may be used");
+        Failure::Input(Diagnostic::error(message).help("`--memory SIZE` allows more"))
+    })
+}
+
+/// Makes some of the pictures, by index, and passes them on.
+fn make(options: &Options, output: &mut SweepOutput, which: &[usize]) -> Result<(), Failure> {
     let (project, cells) = (output.project, output.cells);
     let (machine, picture) = (&options.input.machine, &options.picture);
     let mut engine = engine::engine(picture.backend(), machine);
     if let Some(sheet) = &output.sheet {
-        let [width, height] = sheet.size().map(u64::from);
-        let (needed, allowed) = (width * height * BYTES_PER_SHEET_PIXEL, engine.memory());
-        if needed > allowed {
-            let (needed, allowed) = (MemorySize(needed), MemorySize(allowed));
-            let message = format!("the contact sheet takes {needed} of memory, and {allowed} may be used");
-            return Err(Failure::Input(Diagnostic::error(message).help("`--memory SIZE` allows more")));
-        }
-        engine = engine.with_memory(allowed - needed);
+        let memory = memory_beside(sheet, engine.memory())?;
+        engine = engine.with_memory(memory);
         output.bitmap = Some(sheet.draw());
     }
     let passes = project.picture.passes();
-    let what = match cells.len() {
+    let what = match which.len() {
         1 => "1 picture".to_owned(),
         count => format!("{count} pictures"),
     };
     let progress = Progress::of_passes(what, passes);
     let tell = |share: f64| progress.tell(share);
-    let numbers: Vec<&[f32]> = cells.iter().map(|cell| cell.numbers.as_slice()).collect();
+    let numbers: Vec<&[f32]> = which.iter().map(|index| cells[*index].numbers.as_slice()).collect();
     engine
-        .pictures(&project.subject, &numbers, passes, &Task::watched(&tell), |index, frame, time| {
-            Ok(output.take(index, frame, time)?)
+        .pictures(&project.subject, &numbers, passes, &Task::watched(&tell), |position, frame, time| {
+            Ok(output.take(which[position], frame, time)?)
         })
         .map_err(|problem: Problem| problem.0)
 }
@@ -261,7 +280,7 @@ struct SweepOutput<'o> {
     bitmap: Option<Bitmap>,
     view: ViewTransform,
     findings: Findings,
-    /// How long each picture took.
+    /// How long each picture took, in the order in which they were made.
     seconds: Vec<f64>,
 }
 
@@ -275,10 +294,10 @@ impl SweepOutput<'_> {
             (SweepTarget::Numbered(pattern), ..) => {
                 save(&pattern.path(index as u32), &frame, self.view).map_err(|message| {
                     let error = Diagnostic::error(message);
-                    Failure::Input(match index {
+                    Failure::Input(match self.seconds.len() {
                         0 => error,
                         1 => error.help("the picture before it is complete"),
-                        _ => error.help(format!("the {index} pictures before it are complete")),
+                        made => error.help(format!("the {made} pictures before it are complete")),
                     })
                 })?;
             }
@@ -304,8 +323,20 @@ impl SweepOutput<'_> {
         }
     }
 
-    /// What the list says about a picture.
-    fn made(&self, index: usize, [width, height]: [u32; 2]) -> Made<'_> {
+    /// Prints the list of pictures, if it is wanted: those that were made, in this order, among others that were there.
+    fn list(&self, options: &Options, made: &[usize], kept: &[usize]) -> Result<(), Failure> {
+        if !options.json {
+            return Ok(());
+        }
+        let new = made.iter().zip(&self.seconds).map(|(index, seconds)| self.made(*index, *seconds, false));
+        let mut all: Vec<_> = new.chain(kept.iter().map(|index| self.made(*index, 0.0, true))).collect();
+        all.sort_by_key(|(index, _)| *index);
+        print_json(&all.into_iter().map(|(_, made)| made).collect::<Vec<_>>())
+    }
+
+    /// What the list says about a picture, behind its index.
+    fn made(&self, index: usize, seconds: f64, kept: bool) -> (usize, Made<'_>) {
+        let [width, height] = self.project.picture.size;
         let cell = &self.cells[index];
         let file = match &self.target {
             SweepTarget::Numbered(pattern) => pattern.path(index as u32).display().to_string(),
@@ -316,13 +347,7 @@ impl SweepOutput<'_> {
             let [x, y] = sheet.corner(index);
             [x, y, width, height]
         });
-        Made {
-            file,
-            values: by_name(&cell.used),
-            clamped: by_name(&cell.clamped),
-            set: &cell.set,
-            seconds: self.seconds[index],
-            place,
-        }
+        let (values, clamped) = (by_name(&cell.used), by_name(&cell.clamped));
+        (index, Made { file, values, clamped, set: &cell.set, seconds, kept, place })
     }
 }

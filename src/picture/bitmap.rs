@@ -16,6 +16,12 @@ impl Bitmap {
         Self { width, height, bytes: colour.repeat(width as usize * height as usize) }
     }
 
+    /// A picture of these bytes, 3 × width × height of them. Bytes that are missing are 0.
+    pub(super) fn of_bytes([width, height]: [u32; 2], mut bytes: Vec<u8>) -> Self {
+        bytes.resize(3 * width as usize * height as usize, 0);
+        Self { width, height, bytes }
+    }
+
     /// A linear picture by a view transform.
     pub fn new(frame: &Frame, view: ViewTransform) -> Self {
         Self { width: frame.width, height: frame.height, bytes: quantise(&frame.linear, view) }

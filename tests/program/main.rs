@@ -6,6 +6,7 @@ mod diagnostics;
 mod encoding;
 mod endings;
 mod export;
+mod farm;
 mod files;
 mod fmt;
 mod habits;

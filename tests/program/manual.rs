@@ -11,7 +11,8 @@
 //!   in a line stands for any text, and a line `…` for any lines. Without such lines, pictures are made smaller,
 //!   because nobody looks at them.
 //! - `sh` is not run: commands that open a window, or change the machine.
-//! - `text`, `ebnf` and `rust` are not tried here. Documentation tests run the examples in Rust.
+//! - `text`, `ebnf`, `rust` and `python` are not tried here. Documentation tests run the examples in Rust, and tests of
+//!   the package those in Python.
 
 mod blocks;
 mod gallery;
@@ -27,7 +28,7 @@ use std::process::Command;
 /// The most bytes of all images together.
 const MOST_IMAGE_BYTES: u64 = 4 << 20;
 /// The kinds of blocks that are not tried.
-const UNTRIED: [&str; 4] = ["text", "ebnf", "rust", "message"];
+const UNTRIED: [&str; 5] = ["text", "ebnf", "rust", "python", "message"];
 
 #[test]
 fn blocks_are_true() {
@@ -63,7 +64,7 @@ fn tried(folder: &Path, block: &Block, next: Option<&Block>) -> Result<(), Strin
 
 /// Whether a line of an `sh` block opens a window or changes the machine, so no test can run it.
 fn changes_the_machine(line: &str) -> bool {
-    let first = ["cargo ", "git ", "cd ", "sudo ", "mdbook ", "alias ", "source ", "illuminator preview"];
+    let first = ["cargo ", "git ", "cd ", "pip install ", "sudo ", "mdbook ", "alias ", "source ", "illuminator preview"];
     line == "illuminator" || line.is_empty() || line.starts_with('#') || first.iter().any(|first| line.starts_with(first))
 }
 

@@ -43,8 +43,8 @@ impl Findings {
         }
     }
 
-    /// Says what was found.
-    pub(super) fn say(&self, cells: &[Cell]) {
+    /// Says what is remarkable about single pictures. Returns whether there is something.
+    pub(super) fn say_of_pictures(&self, cells: &[Cell]) -> bool {
         if let Some((index, finding)) = &self.remarkable {
             let warning = Diagnostic::warning(format!("with {}: {}", cells[*index].set.join(", "), finding.message()));
             say(&match self.others {
@@ -52,7 +52,14 @@ impl Findings {
                 1 => warning.help("one other picture is like that"),
                 others => warning.help(format!("{others} other pictures are like that")),
             });
-        } else if cells.len() > 1 && !self.differ {
+        }
+        self.remarkable.is_some()
+    }
+
+    /// Says what was found in all pictures of a sweep.
+    pub(super) fn say(&self, cells: &[Cell]) {
+        let is_remarkable = self.say_of_pictures(cells);
+        if !is_remarkable && cells.len() > 1 && !self.differ {
             say(&Diagnostic::warning("all pictures are the same: what is varied has no effect on what is seen")
                 .help("`illuminator dump --stage rays --pixel X,Y` shows which values a colour is made from"));
         }

@@ -62,7 +62,7 @@ fn numbered(path: &Path) -> String {
 }
 
 /// A path with a place for a number, as `printf` writes it: `%d`, or `%04d` with zeros in front.
-#[derive(Debug, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct NamePattern {
     folder: PathBuf,
     before: String,
@@ -121,6 +121,24 @@ impl NamePattern {
                 .help("write `%d` or `%04d` for it; without a number, a name has no `%`")),
             _ => Err(Diagnostic::error(format!("`{name}` has places for {} numbers", numbers.len())).help("one is needed")),
         }
+    }
+
+    /// The pattern of the parts of a contact sheet: numbered pictures in a folder beside it.
+    pub(super) fn of_parts(sheet: &Path) -> Self {
+        let mut folder = sheet.file_stem().unwrap_or_default().to_owned();
+        folder.push("-parts");
+        let (before, after) = (String::new(), ".png".to_owned());
+        Self { folder: sheet.with_file_name(folder), before, digits: 4, after }
+    }
+
+    /// The folder of the pictures.
+    pub(super) fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// The file that says what the pictures are.
+    pub(super) fn record(&self) -> PathBuf {
+        self.folder.join(format!("{}parts.json", self.before))
     }
 
     /// The path of a picture, by its index from 0. Numbers begin at 1.

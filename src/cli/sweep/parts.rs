@@ -1,0 +1,186 @@
+//! A sweep in parts: the job, the pictures of a part, and the last step.
+
+use crate::cli::engine;
+use crate::cli::farm::{JobKind, JobPlan, Measured, PartsRecord, WorkPart, remove_unfinished, write_job};
+use crate::cli::output::PictureTarget;
+use crate::cli::report::{Failure, print, say, warn};
+use crate::cli::sweep::cells::Cells;
+use crate::cli::sweep::findings::Findings;
+use crate::cli::sweep::sheet::Sheet;
+use crate::cli::sweep::target::{NamePattern, SweepTarget};
+use crate::cli::sweep::{Options, SweepOutput, make, memory_beside};
+use illuminator::engine::Task;
+use illuminator::lang::diagnostic::Diagnostic;
+use illuminator::picture::{Format, ReadPictureError, ViewTransform, file_bytes, is_complete, read_bitmap};
+use illuminator::workspace::project::Project;
+use std::time::Instant;
+
+/// How many missing pictures are named.
+const MOST_NAMED: usize = 5;
+
+/// A sweep that is made in parts.
+pub(super) struct SweepInParts<'w> {
+    pub(super) options: &'w Options,
+    pub(super) project: &'w Project,
+    pub(super) cells: &'w Cells,
+    /// When the command began.
+    pub(super) start: Instant,
+}
+
+impl SweepInParts<'_> {
+    fn view(&self) -> ViewTransform {
+        self.options.picture.view(self.project.picture.view)
+    }
+
+    fn count(&self) -> u32 {
+        // A sweep has a limited number of pictures.
+        self.cells.cells.len() as u32
+    }
+
+    /// Where the pictures of parts are.
+    fn pattern(&self, target: &SweepTarget) -> Result<NamePattern, Failure> {
+        match target {
+            SweepTarget::Numbered(pattern) => Ok(pattern.clone()),
+            SweepTarget::Sheet(PictureTarget::File(path, _)) => Ok(NamePattern::of_parts(path)),
+            SweepTarget::Sheet(PictureTarget::StandardOutput) => {
+                let error = Diagnostic::error("parts are written to files, not to standard output");
+                Err(Failure::CommandLine(error.help("give `-o` the name of a file")))
+            }
+        }
+    }
+
+    fn record(&self) -> PartsRecord {
+        let parts = self.cells.cells.iter().map(|cell| cell.set.clone()).collect();
+        PartsRecord::new(self.project, self.options.picture.backend().name, self.view(), parts)
+    }
+
+    /// Measures the work, and writes the job.
+    pub(super) fn write_job(&self, kind: JobKind, target: &SweepTarget) -> Result<(), Failure> {
+        if self.options.json {
+            return Err(Failure::command_line("`--json` lists pictures, and `--job` makes none"));
+        }
+        let pattern = self.pattern(target)?;
+        let measured = engine::on_threads(&self.options.input.machine, || self.measure(&pattern))??;
+        let plan = JobPlan { output: &self.options.output, count: self.count(), noun: "pictures", measured };
+        write_job(&self.options.farm, kind, &plan)
+    }
+
+    /// How long the work takes here: one pass is traced, and one picture is made of it.
+    fn measure(&self, pattern: &NamePattern) -> Result<Measured, Failure> {
+        let passes = self.project.picture.passes();
+        let engine = engine::engine(self.options.picture.backend(), &self.options.input.machine);
+        let numbers = self.project.values.numbers();
+        let read = self.start.elapsed();
+        let tracing = Instant::now();
+        let evaluator = engine.evaluator(&self.project.subject, numbers, &Task::UNWATCHED).map_err(engine::failed)?;
+        let once = read + tracing.elapsed() * passes;
+        let making = Instant::now();
+        let mut frame = evaluator.frame(numbers);
+        let frames = making.elapsed() * passes;
+        let writing = Instant::now();
+        frame.clean();
+        let format = Format::of(&pattern.path(0)).unwrap_or(Format::Png);
+        file_bytes(&frame, format, self.view()).map_err(|error| Failure::input(error.to_string()))?;
+        Ok(Measured { once, each: frames + writing.elapsed() })
+    }
+
+    /// Makes the pictures of a part that are not there yet.
+    pub(super) fn make_part(&self, part: WorkPart, target: &SweepTarget) -> Result<(), Failure> {
+        let pattern = self.pattern(target)?;
+        self.record().claim(&pattern.record())?;
+        let share: Vec<usize> = part.share(self.count()).map(|index| index as usize).collect();
+        let (kept, missing): (Vec<usize>, Vec<usize>) = share.iter().partition(|index| self.is_there(&pattern, **index));
+        let mut output = SweepOutput {
+            project: self.project,
+            cells: &self.cells.cells,
+            target: SweepTarget::Numbered(pattern),
+            bitmap: None,
+            view: self.view(),
+            sheet: None,
+            findings: Findings::default(),
+            seconds: Vec::new(),
+        };
+        if !missing.is_empty() {
+            engine::on_threads(&self.options.input.machine, || make(self.options, &mut output, &missing))??;
+        }
+        output.findings.say_of_pictures(&self.cells.cells);
+        if !self.options.json {
+            print(&format!("part {part}: {} pictures made, {} kept\n", missing.len(), kept.len()))?;
+        }
+        output.list(self.options, &missing, &kept)
+    }
+
+    /// Whether a picture is there, and complete. A damaged one is made again.
+    fn is_there(&self, pattern: &NamePattern, index: usize) -> bool {
+        let path = pattern.path(index as u32);
+        is_complete(&path, self.project.picture.size).unwrap_or_else(|error| {
+            warn(format!("`{}` is made again: {error}", path.display()));
+            false
+        })
+    }
+
+    /// Checks that all pictures are there, and puts them onto the sheet, if there is one.
+    pub(super) fn merge(&self, target: &SweepTarget, sheet: Option<Sheet>) -> Result<(), Failure> {
+        let pattern = self.pattern(target)?;
+        if !self.record().check(&pattern.record())? {
+            let error = Diagnostic::error(format!("there are no parts in `{}`", pattern.folder().display()));
+            return Err(Failure::Input(error.help("`--part I/N` makes part I of N, with the same command line otherwise")));
+        }
+        let mut bitmap = match &sheet {
+            Some(sheet) => {
+                let engine = engine::engine(self.options.picture.backend(), &self.options.input.machine);
+                memory_beside(sheet, engine.memory())?;
+                Some(sheet.draw())
+            }
+            None => None,
+        };
+        let mut missing = Vec::new();
+        for index in 0..self.count() {
+            let (path, size) = (pattern.path(index), self.project.picture.size);
+            let outcome = match (&sheet, &mut bitmap) {
+                (Some(sheet), Some(bitmap)) => {
+                    read_bitmap(&path, size).map(|cell| bitmap.copy(&cell, sheet.corner(index as usize)))
+                }
+                (None, _) | (_, None) => {
+                    is_complete(&path, size).and_then(|there| there.then_some(()).ok_or(ReadPictureError::Missing))
+                }
+            };
+            if let Err(error) = outcome {
+                missing.push(format!("`{}`: {error}", path.display()));
+            }
+        }
+        if !missing.is_empty() {
+            return Err(incomplete(&missing, self.count()));
+        }
+        let is_own = matches!(target, SweepTarget::Sheet(_));
+        let output = SweepOutput {
+            project: self.project,
+            cells: &self.cells.cells,
+            target: match target {
+                SweepTarget::Numbered(pattern) => SweepTarget::Numbered(pattern.clone()),
+                SweepTarget::Sheet(_) => SweepTarget::new(&self.options.output)?,
+            },
+            bitmap,
+            view: self.view(),
+            sheet,
+            findings: Findings::default(),
+            seconds: Vec::new(),
+        };
+        output.finish()?;
+        if is_own {
+            remove_unfinished(pattern.folder());
+        }
+        let all: Vec<usize> = (0..self.cells.cells.len()).collect();
+        if !self.options.json {
+            print(&format!("{}: {} pictures\n", self.options.output.display(), self.count()))?;
+        }
+        output.list(self.options, &[], &all)
+    }
+}
+
+/// The error that pictures are missing.
+fn incomplete(missing: &[String], count: u32) -> Failure {
+    missing.iter().take(MOST_NAMED).for_each(|picture| say(&Diagnostic::error(picture)));
+    let message = format!("{} of {count} pictures are missing or damaged", missing.len());
+    Failure::Input(Diagnostic::error(message).help("run the parts again: they keep what is complete"))
+}
