@@ -3,7 +3,8 @@
 use crate::files::{OpenError, Readable, open, reason};
 use crate::picture::{Bitmap, Format, Frame};
 use image::{DynamicImage, ImageDecoder, ImageReader};
-use std::io::{BufReader, ErrorKind};
+use std::fs::{File, Metadata};
+use std::io::{BufReader, ErrorKind, Read, Seek, SeekFrom};
 use std::path::Path;
 use thiserror::Error;
 
@@ -39,39 +40,82 @@ pub fn read_linear(path: &Path, size: [u32; 2]) -> Result<Frame, ReadPictureErro
     Ok(Frame { width: size[0], height: size[1], linear: colours.to_vec() })
 }
 
-/// Whether there is a complete picture of this width and height.
+/// Whether there is a complete picture of this width and height. A file that is cut off is not. The pixels of PNG and
+/// BMP are not decoded: this program replaces files whole, so what can happen to them is that a disk loses their end.
 ///
 /// # Errors
-/// There is a file that is none.
+/// There is a file that is no complete picture.
 pub fn is_complete(path: &Path, size: [u32; 2]) -> Result<bool, ReadPictureError> {
-    match decode(path, size) {
-        Ok(_) => Ok(true),
+    let outcome = match Format::of(path) {
+        Some(Format::Png) => ends_with(path, size, &PNG_END),
+        Some(Format::Bmp) => has_told_length(path, size),
+        Some(Format::Exr) | None => decode(path, size).map(|_| ()),
+    };
+    match outcome {
+        Ok(()) => Ok(true),
         Err(ReadPictureError::Missing) => Ok(false),
         Err(error) => Err(error),
     }
 }
 
-fn decode(path: &Path, size: [u32; 2]) -> Result<DynamicImage, ReadPictureError> {
-    let unreadable = |text: String| ReadPictureError::Unreadable(text);
-    let (file, _) = open(path, Readable::Regular).map_err(|error| match error {
+/// The last chunk of a PNG file, which is empty: its length, its name and its checksum.
+const PNG_END: [u8; 12] = *b"\0\0\0\0IEND\xae\x42\x60\x82";
+
+/// Checks that a file has the header of a picture of this size, and ends with these bytes.
+fn ends_with(path: &Path, size: [u32; 2], end: &[u8]) -> Result<(), ReadPictureError> {
+    decoder(path, size)?;
+    let (mut file, _) = opened(path)?;
+    let mut last = Vec::new();
+    let read = file.seek(SeekFrom::End(-(end.len() as i64))).and_then(|_| file.read_to_end(&mut last));
+    if read.is_ok() && last == end { Ok(()) } else { Err(cut_off()) }
+}
+
+/// Checks that a file has the header of a BMP picture of this size, and is as long as the header says.
+fn has_told_length(path: &Path, size: [u32; 2]) -> Result<(), ReadPictureError> {
+    decoder(path, size)?;
+    let (mut file, metadata) = opened(path)?;
+    let mut start = [0; 6];
+    let told = file.read_exact(&mut start).map(|()| u32::from_le_bytes([start[2], start[3], start[4], start[5]]));
+    if told.is_ok_and(|told| u64::from(told) == metadata.len()) { Ok(()) } else { Err(cut_off()) }
+}
+
+fn cut_off() -> ReadPictureError {
+    ReadPictureError::Unreadable("it is damaged: its end is missing".to_owned())
+}
+
+fn opened(path: &Path) -> Result<(File, Metadata), ReadPictureError> {
+    open(path, Readable::Regular).map_err(|error| match error {
         OpenError::Io(error) if error.kind() == ErrorKind::NotFound => ReadPictureError::Missing,
-        OpenError::Io(error) => unreadable(reason(&error)),
-        OpenError::Irregular(found) => unreadable(format!("it is {found}, not a file")),
-    })?;
-    let format = Format::of(path).ok_or_else(|| unreadable("its suffix names no format of pictures".to_owned()))?;
+        OpenError::Io(error) => ReadPictureError::Unreadable(reason(&error)),
+        OpenError::Irregular(found) => ReadPictureError::Unreadable(format!("it is {found}, not a file")),
+    })
+}
+
+fn damaged(error: image::ImageError) -> ReadPictureError {
+    ReadPictureError::Unreadable(format!("it is damaged: {error}"))
+}
+
+fn decode(path: &Path, size: [u32; 2]) -> Result<DynamicImage, ReadPictureError> {
+    DynamicImage::from_decoder(decoder(path, size)?).map_err(damaged)
+}
+
+/// Reads the header of a picture, which must have this size.
+fn decoder(path: &Path, size: [u32; 2]) -> Result<impl ImageDecoder, ReadPictureError> {
+    let (file, _) = opened(path)?;
+    let nameless = || ReadPictureError::Unreadable("its suffix names no format of pictures".to_owned());
+    let format = Format::of(path).ok_or_else(nameless)?;
     let mut reader = ImageReader::new(BufReader::new(file));
     reader.set_format(match format {
         Format::Png => image::ImageFormat::Png,
         Format::Bmp => image::ImageFormat::Bmp,
         Format::Exr => image::ImageFormat::OpenExr,
     });
-    let damaged = |error: image::ImageError| unreadable(format!("it is damaged: {error}"));
     let decoder = reader.into_decoder().map_err(damaged)?;
     let (width, height) = decoder.dimensions();
     if [width, height] != size {
         return Err(ReadPictureError::Size([width, height]));
     }
-    DynamicImage::from_decoder(decoder).map_err(damaged)
+    Ok(decoder)
 }
 
 #[cfg(test)]

@@ -11,8 +11,10 @@ use crate::cli::sweep::target::{NamePattern, SweepTarget};
 use crate::cli::sweep::{Options, SweepOutput, make, memory_beside};
 use illuminator::engine::Task;
 use illuminator::lang::diagnostic::Diagnostic;
-use illuminator::picture::{Format, ReadPictureError, ViewTransform, file_bytes, is_complete, read_bitmap};
+use illuminator::picture::{Bitmap, Format, ReadPictureError, ViewTransform, file_bytes, is_complete, read_bitmap};
 use illuminator::workspace::project::Project;
+use rayon::prelude::*;
+use std::path::Path;
 use std::time::Instant;
 
 /// How many missing pictures are named.
@@ -119,6 +121,16 @@ impl SweepInParts<'_> {
         })
     }
 
+    /// A picture that must be there, if its pixels are wanted.
+    fn read(&self, path: &Path, is_wanted: bool) -> Result<Option<Bitmap>, ReadPictureError> {
+        let size = self.project.picture.size;
+        match is_wanted {
+            true => read_bitmap(path, size).map(Some),
+            false if is_complete(path, size)? => Ok(None),
+            false => Err(ReadPictureError::Missing),
+        }
+    }
+
     /// Checks that all pictures are there, and puts them onto the sheet, if there is one.
     pub(super) fn merge(&self, target: &SweepTarget, sheet: Option<Sheet>) -> Result<(), Failure> {
         let pattern = self.pattern(target)?;
@@ -135,18 +147,17 @@ impl SweepInParts<'_> {
             None => None,
         };
         let mut missing = Vec::new();
-        for index in 0..self.count() {
-            let (path, size) = (pattern.path(index), self.project.picture.size);
-            let outcome = match (&sheet, &mut bitmap) {
-                (Some(sheet), Some(bitmap)) => {
-                    read_bitmap(&path, size).map(|cell| bitmap.copy(&cell, sheet.corner(index as usize)))
+        let indices: Vec<u32> = (0..self.count()).collect();
+        for some in indices.chunks(AT_ONCE) {
+            let read = |index: &u32| self.read(&pattern.path(*index), sheet.is_some());
+            let pictures: Vec<_> =
+                engine::on_threads(&self.options.input.machine, || some.par_iter().map(read).collect::<Vec<_>>())?;
+            for (index, picture) in some.iter().zip(pictures) {
+                match (picture, &sheet, &mut bitmap) {
+                    (Ok(Some(picture)), Some(sheet), Some(bitmap)) => bitmap.copy(&picture, sheet.corner(*index as usize)),
+                    (Ok(_), ..) => {}
+                    (Err(error), ..) => missing.push(format!("`{}`: {error}", pattern.path(*index).display())),
                 }
-                (None, _) | (_, None) => {
-                    is_complete(&path, size).and_then(|there| there.then_some(()).ok_or(ReadPictureError::Missing))
-                }
-            };
-            if let Err(error) = outcome {
-                missing.push(format!("`{}`: {error}", path.display()));
             }
         }
         if !missing.is_empty() {
@@ -177,6 +188,9 @@ impl SweepInParts<'_> {
         output.list(self.options, &[], &all)
     }
 }
+
+/// How many pictures are read at the same time.
+const AT_ONCE: usize = 64;
 
 /// The error that pictures are missing.
 fn incomplete(missing: &[String], count: u32) -> Failure {
