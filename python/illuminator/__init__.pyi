@@ -17,6 +17,9 @@ class TextError(IlluminatorError):
     """Errors in a formula, a scene, a session or a library of materials."""
 
     diagnostics: list[Diagnostic]
+    file: Optional[str]
+    line: Optional[int]
+    column: Optional[int]
 
 class IlluminatorWarning(UserWarning):
     """Something that is accepted and probably not meant."""

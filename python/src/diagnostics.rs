@@ -22,7 +22,8 @@ pyo3::create_exception!(
     illuminator,
     TextError,
     IlluminatorError,
-    "Errors in a formula, a scene, a session or a library of materials. `diagnostics` lists them with their places."
+    "Errors in a formula, a scene, a session or a library of materials. `diagnostics` lists them with their places; `file`,
+`line` and `column` are those of the first."
 );
 pyo3::create_exception!(
     illuminator,
@@ -157,7 +158,15 @@ impl Found {
 fn text_error(py: Python<'_>, errors: Vec<Diagnostic>) -> PyErr {
     let text = errors.iter().map(|error| error.text.as_str()).collect::<Vec<_>>().join("\n\n");
     let error = TextError::new_err(text);
-    match error.value(py).setattr("diagnostics", errors) {
+    let value = error.value(py);
+    let first = errors.first().cloned();
+    let set = || -> PyResult<()> {
+        value.setattr("file", first.as_ref().map(|first| first.file.clone()))?;
+        value.setattr("line", first.as_ref().and_then(|first| first.line))?;
+        value.setattr("column", first.as_ref().and_then(|first| first.column))?;
+        value.setattr("diagnostics", errors)
+    };
+    match set() {
         Ok(()) => error,
         Err(other) => other,
     }
@@ -184,8 +193,22 @@ pub(crate) fn warn(py: Python<'_>, text: &str) -> PyResult<()> {
 pub(crate) fn source_of(location: &Location, kind: FileKind, text: Option<String>) -> Result<Source, OpenProjectError> {
     Ok(match text {
         Some(text) => Source::new(location.to_string(), text),
-        None => location.read(kind, Readable::Regular)?,
+        None => location.read(kind, Readable::Regular).map_err(|error| {
+            // A text in place of a path is an easy mistake.
+            let is_text = kind_of(&location.to_string()) == Some(kind);
+            let way = format!("that is the text of a {0}; use `{1}.parse(text)`", kind.noun(), class_of(kind));
+            if is_text { EngineDiagnostic::error(way) } else { error }
+        })?,
     })
+}
+
+/// The class of Python for a kind of text.
+fn class_of(kind: FileKind) -> &'static str {
+    match kind {
+        FileKind::Formula => "Formula",
+        FileKind::Scene => "Scene",
+        FileKind::Session | FileKind::Material => "Session",
+    }
 }
 
 /// What is wrong with a text, as a list; empty if nothing is. `kind` is `"formula"`, `"scene"`, `"session"` or

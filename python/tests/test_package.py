@@ -40,7 +40,7 @@ def test_sliders_move_the_picture():
     box = sliders(session)
     image, column = box.children
     rows = {row.description: row for row in column.children}
-    assert {name.split(".")[-1] for name in rows} == {"ka", "kr", "kt", "kd", "ks", "h"}
+    assert {name.split(".")[-1] for name in rows} == {"ka", "ki", "kr", "kt", "kd", "ks", "h"}
     before, name = image.value, next(name for name in rows if name.endswith(".kd"))
     rows[name].value = 0.125
     assert image.value != before and session[name] == pytest.approx(0.125)

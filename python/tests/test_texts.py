@@ -56,6 +56,7 @@ def test_arrays_of_different_shapes_are_an_error():
 def test_errors_have_places():
     with pytest.raises(illuminator.TextError) as raised:
         illuminator.Formula.parse("formula;\n= IL*Cb*max(0, N.L) + Q;", name="mine.formula")
+    assert (raised.value.file, raised.value.line, raised.value.column) == ("mine.formula", 2, 6)
     first, second = raised.value.diagnostics
     assert (first.severity, first.file, first.line, first.column) == ("error", "mine.formula", 2, 6)
     assert (first.places[0].end_line, first.places[0].end_column) == (2, 8)
@@ -66,6 +67,9 @@ def test_errors_have_places():
     assert any("sphere" in help for found in raised.value.diagnostics for help in found.help + [found.message])
     with pytest.raises(illuminator.IlluminatorError, match="nowhere"):
         illuminator.Formula("nowhere.formula")
+    for read in [illuminator.Formula, lambda text: illuminator.Session(formula=text)]:
+        with pytest.raises(illuminator.IlluminatorError, match=r"use `(illuminator\.)?Formula\.parse"):
+            read("formula; = Cd;")
 
 
 def test_checking_lists_errors_and_warnings():

@@ -1,6 +1,6 @@
 //! Opening a session with the arguments of Python.
 
-use crate::diagnostics::Found;
+use crate::diagnostics::{Found, failure};
 use crate::formula::Formula;
 use crate::scene::Scene;
 use crate::work::interruptible;
@@ -9,7 +9,7 @@ use illuminator::workspace::materials::MaterialAssignment;
 use illuminator::workspace::presets::DEFAULT_SESSION;
 use illuminator::workspace::project::{Project, Request, SessionText};
 use illuminator::workspace::session::PictureSettings;
-use illuminator::workspace::{FileKind, Location, NamedAssignment};
+use illuminator::workspace::{FileKind, Location, NamedAssignment, kind_of};
 use pyo3::PyClass;
 use pyo3::prelude::*;
 use pyo3::pyclass::boolean_struct::True;
@@ -37,16 +37,23 @@ pub(super) struct Given {
 
 /// An object that stands for a text.
 pub(super) trait Text: PyClass<Frozen = True> + Sync {
+    /// The name of the class.
+    const CLASS: &'static str;
+
     fn place(&self) -> Place;
 }
 
 impl Text for Formula {
+    const CLASS: &'static str = "Formula";
+
     fn place(&self) -> Place {
         (self.location.clone(), Some(self.source.clone()))
     }
 }
 
 impl Text for Scene {
+    const CLASS: &'static str = "Scene";
+
     fn place(&self) -> Place {
         (self.location.clone(), Some(self.source.clone()))
     }
@@ -56,7 +63,13 @@ impl Text for Scene {
 pub(super) fn location<T: Text>(given: &Bound<'_, PyAny>) -> PyResult<Place> {
     match given.cast::<T>() {
         Ok(text) => Ok(text.get().place()),
-        Err(_) => Ok((Location::new(given.extract::<PathBuf>()?), None)),
+        Err(_) => {
+            let path = given.extract::<PathBuf>()?;
+            match path.to_str().and_then(kind_of) {
+                Some(kind) => Err(failure(format!("that is the text of a {}; use `{}.parse(text)`", kind.noun(), T::CLASS))),
+                None => Ok((Location::new(path), None)),
+            }
+        }
     }
 }
 
