@@ -123,6 +123,8 @@ def test_values_that_do_not_fit_are_explained(studio, name, value, message):
 @pytest.mark.parametrize("settings, message", [
     ({"size": (0, 10)}, "0"),
     ({"samples": 0}, "samples"),
+    ({"threads": 0}, "threads"),
+    ({"threads": 1000000}, "threads"),
     ({"backend": "gpus"}, "there are \"jit\""),
     ({"materials": {"ball": "golde"}}, "golde"),
     ({"formula": "preset:phongg"}, "phongg"),

@@ -15,6 +15,9 @@ use pyo3::prelude::*;
 use rayon::ThreadPool;
 use std::sync::Arc;
 
+/// As many threads as the command line allows.
+const MOST_THREADS: usize = 1024;
+
 /// A session's formula, scene, view and values, and what is kept between its pictures.
 pub(crate) struct State {
     pub(crate) subject: Subject,
@@ -48,6 +51,9 @@ impl State {
             let names = backends::CHOICES.iter().map(|choice: &BackendChoice| format!("\"{}\"", choice.name));
             failure(format!("there is no backend \"{backend}\"; there are {}", names.collect::<Vec<_>>().join(", ")))
         })?;
+        if let Some(threads) = threads.filter(|threads| !(1..=MOST_THREADS).contains(threads)) {
+            return Err(failure(format!("`threads` is {threads}; it can be 1 to {MOST_THREADS}")));
+        }
         let pool = threads.map(|threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build());
         let backend = choice.make();
         let engine = Engine::new(Arc::clone(&backend));
