@@ -11,6 +11,10 @@ pub(super) enum Language {
     Glsl,
     Hlsl,
     Wgsl,
+    /// Open Shading Language.
+    Osl,
+    /// Graphs of nodes of MaterialX.
+    MaterialX,
     /// GLSL in the files of BRDF Explorer.
     Brdf,
 }
@@ -75,6 +79,7 @@ impl Dialect {
     /// A number. The texts of formulas have finite ones only, but `1/0` is folded to a number that is not. Most
     /// languages refuse constant expressions for it, so it is computed from the [variable](Self::zero) that is 0.
     pub(super) fn number(&self, number: f32) -> String {
+        let number = if self.language == Language::Osl { finite(number) } else { number };
         match (self.zero(), number) {
             (_, number) if number.is_finite() => format!("{number:?}{}", self.number_suffix),
             (None, number) if number.is_nan() => "NAN".to_owned(),
@@ -84,22 +89,48 @@ impl Dialect {
         }
     }
 
-    /// The declaration of a variable that is 0. C needs none.
+    /// A condition that is known.
+    pub(super) fn truth_value(&self, holds: bool) -> &'static str {
+        match (self.language, holds) {
+            (Language::Osl, true) => "1",
+            (Language::Osl, false) => "0",
+            (Language::C | Language::Glsl | Language::Hlsl | Language::Wgsl | Language::MaterialX | Language::Brdf, holds) => {
+                if holds {
+                    "true"
+                } else {
+                    "false"
+                }
+            }
+        }
+    }
+
+    /// The declaration of a variable that is 0. C needs none, and OSL has finite numbers only.
     pub(super) fn zero(&self) -> Option<String> {
         match self.language {
-            Language::C => None,
+            Language::C | Language::Osl | Language::MaterialX => None,
             Language::Glsl | Language::Brdf => Some(format!("float {ZERO} = 0.0;\n")),
             Language::Hlsl => Some(format!("static float {ZERO} = 0.0;\n")),
             Language::Wgsl => Some(format!("var<private> {ZERO}: f32 = 0.0;\n")),
         }
     }
 
-    /// The declaration of the table of noise, in the text that GLSL and HLSL share.
+    /// How noise reads its table, in the text that GLSL, HLSL and OSL share.
     pub(super) fn table(&self) -> &'static str {
         match self.language {
-            Language::Glsl | Language::Brdf => "const int PERMUTATION[256] = int[256](\n@PERMUTATION@\n);",
-            Language::Hlsl => "static const int PERMUTATION[256] = {\n@PERMUTATION@\n};",
-            Language::C | Language::Wgsl => "",
+            Language::Glsl | Language::Brdf => {
+                "const int PERMUTATION[256] = int[256](\n@PERMUTATION@\n);\n\n\
+                 int noise_at(int index) { return PERMUTATION[index & 255]; }"
+            }
+            Language::Hlsl => {
+                "static const int PERMUTATION[256] = {\n@PERMUTATION@\n};\n\n\
+                 int noise_at(int index) { return PERMUTATION[index & 255]; }"
+            }
+            // It has no constants outside of functions.
+            Language::Osl => {
+                "int noise_at(int index) {\n    int PERMUTATION[256] = {\n@PERMUTATION@\n    };\n    \
+                 return PERMUTATION[index & 255];\n}"
+            }
+            Language::C | Language::Wgsl | Language::MaterialX => "",
         }
     }
 
@@ -147,6 +178,11 @@ impl Dialect {
         let own = if primitive == Primitive::Perlin { "noise_sum" } else { primitive.name() };
         special.map_or(own, |(_, name)| name)
     }
+}
+
+/// The nearest number that is finite, for languages without others. There is none for NaN.
+pub(super) fn finite(number: f32) -> f32 {
+    if number.is_nan() { 0.0 } else { number.clamp(f32::MIN, f32::MAX) }
 }
 
 /// Functions that shading languages call as formulas do.
@@ -203,7 +239,7 @@ const GLSL: Dialect = Dialect {
 };
 
 /// The languages.
-pub(super) const DIALECTS: [Dialect; 5] = [
+pub(super) const DIALECTS: [Dialect; 7] = [
     Dialect {
         language: Language::C,
         name: "c",
@@ -263,6 +299,75 @@ pub(super) const DIALECTS: [Dialect; 5] = [
         prologue: "",
         power: include_str!("prelude/power.wgsl"),
         noise: include_str!("prelude/noise.wgsl"),
+    },
+    Dialect {
+        language: Language::Osl,
+        name: "osl",
+        doc: "Open Shading Language",
+        scalar: "float",
+        vector: "vector",
+        truth: "int",
+        make_vector: "vector",
+        number_suffix: "",
+        has_vectors: true,
+        declarations: Declarations::TypeFirst { constant: "", function: "" },
+        natives: shading_natives!(Sign "sign", MixS "mix", MixV "mix", LerpS "mix", LerpV "mix", Atan2 "atan2",
+            PowerSS "power", Pow "power"),
+        primitives: &[(Primitive::Pow, "power")],
+        reserved: include_str!("reserved/osl.txt"),
+        lookup: "({t} == \"\" ? vector(1.0) : (vector)(color)texture({t}, {u}, 1.0 - ({v}), \"wrap\", \"periodic\"))",
+        prologue: "",
+        power: include_str!("prelude/power.glsl"),
+        noise: include_str!("prelude/noise.glsl"),
+    },
+    Dialect {
+        language: Language::MaterialX,
+        name: "materialx",
+        doc: "MaterialX 1.39",
+        scalar: "float",
+        vector: "vector3",
+        truth: "float",
+        make_vector: "combine3",
+        number_suffix: "",
+        has_vectors: true,
+        declarations: Declarations::TypeFirst { constant: "", function: "" },
+        natives: &[
+            (Operation::AddSS, "add"),
+            (Operation::AddVV, "add"),
+            (Operation::SubSS, "subtract"),
+            (Operation::SubVV, "subtract"),
+            (Operation::MulSS, "multiply"),
+            (Operation::MulVV, "multiply"),
+            (Operation::MulVS, "multiply"),
+            (Operation::DivSS, "divide"),
+            (Operation::DivVS, "divide"),
+            (Operation::DivVV, "divide"),
+            (Operation::DotVV, "dotproduct"),
+            (Operation::Dot, "dotproduct"),
+            (Operation::Cross, "crossproduct"),
+            (Operation::Normalize, "normalize"),
+            (Operation::Length, "magnitude"),
+            (Operation::Distance, "distance"),
+            (Operation::MinVV, "min"),
+            (Operation::MaxVV, "max"),
+            (Operation::MakeVector, "combine3"),
+        ],
+        primitives: &[
+            (Primitive::Add, "add"),
+            (Primitive::Sub, "subtract"),
+            (Primitive::Mul, "multiply"),
+            (Primitive::Div, "divide"),
+            (Primitive::Abs, "absval"),
+            (Primitive::Log, "ln"),
+            (Primitive::And, "multiply"),
+            (Primitive::Or, "max"),
+        ],
+        // Names end in generated code.
+        reserved: concat!(include_str!("reserved/glsl.txt"), "\n", include_str!("reserved/osl.txt")),
+        lookup: "",
+        prologue: "",
+        power: include_str!("prelude/power.mtlx"),
+        noise: include_str!("prelude/noise.mtlx"),
     },
     Dialect {
         language: Language::Brdf,

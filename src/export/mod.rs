@@ -9,9 +9,13 @@
 mod brdf;
 mod dialect;
 mod helpers;
+mod materialx;
 mod names;
+mod nodes;
+mod osl;
 mod parameters;
 mod spelling;
+mod walk;
 mod writer;
 
 pub use brdf::ExportError;
@@ -25,6 +29,7 @@ use crate::lang::types::Type;
 use dialect::{DIALECTS, Dialect, Language, ZERO};
 use helpers::helper;
 use names::FreeNames;
+use osl::OslFunction;
 use parameters::{ParameterBlock, comment};
 use std::collections::BTreeSet;
 use writer::Shared;
@@ -59,6 +64,15 @@ impl ExportTarget {
     }
 }
 
+/// A function of a file: the colour that a light adds, or a term that the formula gives for every hit.
+struct ExportedFunction {
+    name: String,
+    doc: String,
+    root: TermId,
+    /// The term, if it is one.
+    term: Option<SurfaceTerm>,
+}
+
 /// Writes the formula in the target language. The main function is called `name`, or similarly where the language does
 /// not allow that name. `origin` says in a comment where the formula comes from.
 ///
@@ -67,16 +81,9 @@ impl ExportTarget {
 pub fn export(formula: &Formula, name: &str, origin: &str, target: ExportTarget) -> Result<String, ExportError> {
     let dialect = target.dialect();
     let mut names = FreeNames::new(dialect);
-    let function = names.take(&snake(name));
-    // BRDF Explorer knows light alone.
-    let surface = formula.surface.iter().filter(|_| dialect.language != Language::Brdf);
-    let roots: Vec<(String, String, TermId)> = std::iter::once((function.clone(), COLOUR.to_owned(), formula.result))
-        .chain(surface.map(|(term, root)| {
-            let name = names.take(&format!("{function}_{}", term.name()));
-            (name, doc_of(term), root)
-        }))
-        .collect();
-    let used: BTreeSet<TermId> = roots.iter().flat_map(|(.., root)| formula.terms_of(*root)).collect();
+    let exported = exported_functions(formula, name, dialect, &mut names);
+    let function = &*exported[0].name;
+    let used: BTreeSet<TermId> = exported.iter().flat_map(|own| formula.terms_of(own.root)).collect();
     let read: BTreeSet<ParameterId> = used
         .iter()
         .filter_map(|id| match formula.term(*id) {
@@ -84,7 +91,7 @@ pub fn export(formula: &Formula, name: &str, origin: &str, target: ExportTarget)
             Term::Number(_) | Term::Variable(_) | Term::Apply(..) | Term::ByComponents(..) => None,
         })
         .collect();
-    let block = names.take(&format!("{}Parameters", camel(&function)));
+    let block = names.take(&format!("{}Parameters", camel(function)));
     let members: Vec<(ParameterId, String)> = read.iter().map(|id| (*id, names.take(&formula.parameter(*id).name))).collect();
     let mut of_texture = |(id, name): &(ParameterId, String)| {
         let is_texture = formula.parameter(*id).ty == Type::Texture;
@@ -93,35 +100,74 @@ pub fn export(formula: &Formula, name: &str, origin: &str, target: ExportTarget)
     let samplers = members.iter().filter_map(&mut of_texture).collect();
     let [defaults, white] = ["defaults", "white"].map(|what| names.take(&format!("{function}_{what}")));
     let block = ParameterBlock { dialect, formula, name: block, defaults, members, samplers, white };
-    let mut shared = Shared { dialect, formula, parameters: block.readings(), block: &block, names, helpers: BTreeSet::new() };
-    let mut functions = Vec::new();
-    for (name, doc, root) in &roots {
-        let (text, arguments) = writer::function(&mut shared, name, doc, *root);
-        functions.push(text);
-        if dialect.language == Language::Brdf {
-            functions.push(brdf::entry(&function, &arguments)?);
-        }
+    let header = header(formula, function, origin, dialect);
+    if dialect.language == Language::MaterialX {
+        return Ok(materialx::document(&header, &block, &exported, names));
     }
-    let helpers: Vec<String> = shared.helpers.iter().map(|operation| helper(dialect, *operation)).collect();
+    let (helpers, functions) = written_functions(&block, &exported, names, origin)?;
     let body = [helpers.join("\n"), functions.join("\n")].join("\n");
-    let mut parts = Vec::new();
-    if let Some(zero) = dialect.zero().filter(|_| has_word(&body, ZERO)) {
-        parts.push(format!("// Constant expressions must be finite, and this is none.\n{zero}"));
-    }
-    let calls = |function: &str| has_word(&body, function);
-    if calls("power") {
-        parts.push(dialect.power.to_owned());
-    }
-    if calls(dialect.primitive(Primitive::Perlin)) {
-        parts.push(dialect.noise.replace("@DECLARATION@", dialect.table()).replace("@PERMUTATION@", &table()));
-    }
+    let mut parts = prelude(dialect, &body);
     parts.push(body.trim_start().to_owned());
-    let header = header(formula, &function, origin, dialect);
     if dialect.language == Language::Brdf {
         return brdf::file(&header, &block, &parts.join("\n"));
     }
     let before = [header, dialect.prologue.to_owned(), block.text()];
     Ok(before.into_iter().filter(|part| !part.is_empty()).chain(parts).collect::<Vec<_>>().join("\n"))
+}
+
+/// The functions of a file, that of light first.
+fn exported_functions(formula: &Formula, name: &str, dialect: &Dialect, names: &mut FreeNames) -> Vec<ExportedFunction> {
+    let function = names.take(&snake(name));
+    let light = ExportedFunction { name: function.clone(), doc: COLOUR.to_owned(), root: formula.result, term: None };
+    // BRDF Explorer knows light alone.
+    let surface = formula.surface.iter().filter(|_| dialect.language != Language::Brdf);
+    let surface = surface.map(|(term, root)| {
+        let name = names.take(&format!("{function}_{}", term.name()));
+        ExportedFunction { name, doc: doc_of(term), root, term: Some(term) }
+    });
+    std::iter::once(light).chain(surface).collect()
+}
+
+/// The texts of the functions, and of those that they call for operations.
+fn written_functions(
+    block: &ParameterBlock,
+    exported: &[ExportedFunction],
+    names: FreeNames,
+    origin: &str,
+) -> Result<(Vec<String>, Vec<String>), ExportError> {
+    let (dialect, formula) = (block.dialect, block.formula);
+    let mut shared = Shared { dialect, formula, parameters: block.readings(), block, names, helpers: BTreeSet::new() };
+    let (mut functions, mut arguments) = (Vec::new(), Vec::new());
+    for own in exported {
+        let (text, read) = writer::function(&mut shared, &own.name, &own.doc, own.root);
+        functions.push(text);
+        if dialect.language == Language::Brdf {
+            functions.push(brdf::entry(&own.name, &read)?);
+        }
+        arguments.push(read);
+    }
+    if dialect.language == Language::Osl {
+        let called = exported.iter().zip(arguments).map(|(function, arguments)| OslFunction { function, arguments });
+        let name = shared.names.take(&format!("{}_shader", exported[0].name));
+        functions.push(osl::shader(&name, origin, block, &called.collect::<Vec<_>>()));
+    }
+    let helpers = shared.helpers.iter().map(|operation| helper(dialect, *operation)).collect();
+    Ok((helpers, functions))
+}
+
+/// What functions call that the file has beside the formula.
+fn prelude(dialect: &Dialect, body: &str) -> Vec<String> {
+    let mut parts = Vec::new();
+    if let Some(zero) = dialect.zero().filter(|_| has_word(body, ZERO)) {
+        parts.push(format!("// Constant expressions must be finite, and this is none.\n{zero}"));
+    }
+    if has_word(body, "power") {
+        parts.push(dialect.power.to_owned());
+    }
+    if has_word(body, dialect.primitive(Primitive::Perlin)) {
+        parts.push(dialect.noise.replace("@DECLARATION@", dialect.table()).replace("@PERMUTATION@", &table()));
+    }
+    parts
 }
 
 /// Whether a text has a word outside of comments.

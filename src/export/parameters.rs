@@ -34,15 +34,21 @@ impl ParameterBlock<'_> {
     pub(super) fn readings(&self) -> HashMap<ParameterId, String> {
         let reading = |id: ParameterId, name: &str| match self.dialect.language {
             Language::C => format!("parameters->{name}"),
+            Language::Osl => format!("parameters.{name}"),
             Language::Wgsl if !self.is_texture(id) => format!("parameters.{name}"),
-            Language::Glsl | Language::Hlsl | Language::Wgsl | Language::Brdf => name.to_owned(),
+            Language::Glsl | Language::Hlsl | Language::Wgsl | Language::MaterialX | Language::Brdf => name.to_owned(),
         };
         self.members.iter().map(|(id, name)| (*id, reading(*id, name))).collect()
     }
 
     /// What stands before the arguments of functions that read parameters.
     pub(super) fn first_parameter(&self) -> Option<String> {
-        (self.dialect.language == Language::C && !self.members.is_empty()).then(|| format!("const {} *parameters", self.name))
+        match self.dialect.language {
+            _ if self.members.is_empty() => None,
+            Language::C => Some(format!("const {} *parameters", self.name)),
+            Language::Osl => Some(format!("{} parameters", self.name)),
+            Language::Glsl | Language::Hlsl | Language::Wgsl | Language::MaterialX | Language::Brdf => None,
+        }
     }
 
     /// The declarations.
@@ -89,7 +95,22 @@ impl ParameterBlock<'_> {
                 lines.extend(plain(&numbers, ","));
                 lines.push(format!("}}\n\n@group(0) @binding(0) var<uniform> parameters: {};\n", self.name));
             }
-            Language::C | Language::Glsl | Language::Hlsl | Language::Wgsl | Language::Brdf => {}
+            Language::Osl if !self.members.is_empty() => {
+                lines.push(format!("struct {} {{", self.name));
+                lines.extend(plain(&numbers, ";"));
+                lines.extend(textures.iter().map(|(id, name)| {
+                    let note = note(self.formula.parameter(*id));
+                    format!("    string {name}; // {note}")
+                }));
+                lines.push("};\n".to_owned());
+            }
+            Language::C
+            | Language::Glsl
+            | Language::Hlsl
+            | Language::Wgsl
+            | Language::Osl
+            | Language::MaterialX
+            | Language::Brdf => {}
         }
         for (index, (id, name)) in textures.iter().enumerate() {
             let note = note(self.formula.parameter(*id));
@@ -102,7 +123,7 @@ impl ParameterBlock<'_> {
                     2 * index + 2,
                     self.sampler(name)
                 )),
-                Language::C | Language::Brdf => {}
+                Language::C | Language::Osl | Language::MaterialX | Language::Brdf => {}
             }
         }
         lines.join("\n")
@@ -147,6 +168,11 @@ pub(super) fn note(parameter: &Parameter) -> String {
     }
     let doc = parameter.doc.as_ref().map(|doc| format!(": {}", comment(doc)));
     parts.join(", ") + &doc.unwrap_or_default()
+}
+
+/// What a parameter is: what the author says of it, or what is known of one that always exists.
+pub(super) fn meaning(parameter: &Parameter) -> Option<&str> {
+    parameter.doc.as_deref().or_else(|| parameter.predefined.map(|own| own.doc()))
 }
 
 /// Text for a comment of one line: without what ends a line in any of the languages, or continues it, such as a

@@ -1,12 +1,10 @@
-//! Writes an expression of a formula as a function of a target language.
-//!
-//! Macros become values of their names. Other expressions become values if they are used more than once or are long;
-//! the rest is written in place.
+//! Writes an expression of a formula as a function of a target language, as text.
 
 use crate::export::dialect::Dialect;
 use crate::export::helpers::helper_name;
 use crate::export::names::FreeNames;
 use crate::export::parameters::ParameterBlock;
+use crate::export::walk::{TermWriter, UNNAMED, write};
 use crate::formula::{Formula, ParameterId, Term, TermId};
 use crate::lang::builtins::{Form, Operation, Stack};
 use crate::lang::scalars::Floats;
@@ -76,83 +74,75 @@ struct Function<'f, 's> {
     /// Whether it reads parameters.
     reads: bool,
     statements: Vec<String>,
-    /// The variables that it reads, and those that they follow from.
-    variables: BTreeMap<Variable, TargetText>,
-    /// Those of them that are arguments.
-    arguments: BTreeSet<Variable>,
+    /// The variables that are arguments.
+    arguments: BTreeMap<Variable, TargetText>,
 }
 
 /// Writes a function of this name that returns an expression, which `doc` describes. Gives its text, and the variables
 /// that are its arguments.
 pub(super) fn function(shared: &mut Shared, name: &str, doc: &str, root: TermId) -> (String, Vec<Variable>) {
     let formula = shared.formula;
-    let mut order = formula.terms_of(root);
-    order.reverse();
-    let mut uses: HashMap<TermId, usize> = HashMap::new();
-    order.iter().flat_map(|id| formula.term(*id).operands()).for_each(|operand| *uses.entry(*operand).or_default() += 1);
-    let macros: HashMap<TermId, &str> = formula.macros.iter().map(|(name, id)| (*id, &**name)).collect();
     let names = shared.names.inside();
-    let reads = order.iter().any(|id| matches!(formula.term(*id), Term::Parameter(_)));
-    let (statements, variables, arguments) = (Vec::new(), BTreeMap::new(), BTreeSet::new());
-    let mut function = Function { shared, names, reads, statements, variables, arguments };
-    // Parameters first, so that they have their names.
-    let read = order.iter().filter_map(|id| match formula.term(*id) {
-        Term::Variable(variable) => Some(*variable),
-        Term::Number(_) | Term::Parameter(_) | Term::Apply(..) | Term::ByComponents(..) => None,
-    });
-    read.for_each(|variable| _ = function.variable(variable));
-    let mut written: HashMap<TermId, TargetText> = HashMap::new();
-    for id in &order {
-        let term = formula.term(*id);
-        let own = match term {
-            Term::Number(number) => function.number(*number),
-            Term::Variable(variable) => function.variable(*variable),
-            Term::Parameter(parameter) => {
-                TargetText::atom(function.shared.parameters[parameter].clone(), formula.parameter(*parameter).ty)
-            }
-            Term::Apply(operation, operands) => {
-                let operands = operands.iter().map(|operand| written[operand].clone()).collect();
-                function.apply(*operation, operands)
-            }
-            Term::ByComponents(operation, operands) => {
-                let operands = operands.iter().map(|operand| written[operand].clone()).collect();
-                function.by_components(*operation, operands)
-            }
-        };
-        let is_leaf = term.operands().is_empty();
-        let is_shared = uses.get(id).is_some_and(|uses| *uses > 1) || own.text.len() > LONGEST && *id != root;
-        let own = match macros.get(id).filter(|_| !is_leaf) {
-            Some(name) => function.value(name, own),
-            None if is_shared && !is_leaf => function.value("v", own),
-            None => own,
-        };
-        written.insert(*id, own);
-    }
-    let result = &written[&root];
-    function.finish(name, doc, result)
+    let reads = formula.terms_of(root).iter().any(|id| matches!(formula.term(*id), Term::Parameter(_)));
+    let mut function = Function { shared, names, reads, statements: Vec::new(), arguments: BTreeMap::new() };
+    let result = write(&mut function, formula, root);
+    function.finish(name, doc, &result)
 }
 
 impl Function<'_, '_> {
     /// The function with its documentation, and its arguments.
     fn finish(self, name: &str, doc: &str, result: &TargetText) -> (String, Vec<Variable>) {
-        let Self { shared, reads, statements, variables, arguments, .. } = self;
+        let Self { shared, reads, statements, arguments, .. } = self;
         let mut lines = vec![format!("// {doc}")];
-        lines.extend(arguments.iter().map(|variable| format!("// {}: {}", variables[variable].text, variable.doc())));
-        let own = arguments.iter().map(|variable| shared.dialect.parameter(variable.ty(), &variables[variable].text));
+        lines.extend(arguments.iter().map(|(variable, own)| format!("// {}: {}", own.text, variable.doc())));
+        let own = arguments.iter().map(|(variable, own)| shared.dialect.parameter(variable.ty(), &own.text));
         let parameters: Vec<String> = shared.block.first_parameter().filter(|_| reads).into_iter().chain(own).collect();
         lines.push(shared.dialect.function(result.ty, name, &parameters));
         lines.extend(statements.iter().map(|statement| format!("    {statement}")));
         lines.push(format!("    return {};", result.text));
         lines.push("}\n".to_owned());
-        (lines.join("\n"), arguments.into_iter().collect())
+        (lines.join("\n"), arguments.into_keys().collect())
     }
 
-    /// Declares a value. Its name is the wanted one, if that is free.
-    fn value(&mut self, wanted: &str, value: TargetText) -> TargetText {
-        let name = self.names.take(wanted);
-        self.statements.push(self.shared.dialect.value(value.ty, &name, &value.text));
-        TargetText { known: value.known, ..TargetText::atom(name, value.ty) }
+    /// The value of an operation on known values, by its meaning.
+    fn folded(&mut self, operation: Operation, operands: &[TargetText]) -> Option<TargetText> {
+        let mut stack = Stack::new(32, 0.0);
+        for operand in operands {
+            operand.known.as_ref()?.iter().for_each(|number| stack.push(*number));
+        }
+        operation.apply(&mut Floats, &mut stack);
+        Some(match operation.result() {
+            Type::Vector => {
+                let known = stack.pop::<3>();
+                let parts = known.map(|number| self.number(number));
+                let text = call(self.shared.dialect.make_vector, &parts);
+                TargetText { known: Some(known.as_slice().into()), ..TargetText::atom(text, Type::Vector) }
+            }
+            Type::Truth => {
+                let known = stack.pop::<1>();
+                let text = self.shared.dialect.truth_value(known[0] != 0.0).to_owned();
+                TargetText { known: Some(known.as_slice().into()), ..TargetText::atom(text, Type::Truth) }
+            }
+            Type::Scalar | Type::Texture => self.number(stack.pop::<1>()[0]),
+        })
     }
+
+    /// A power. Small whole exponents become products: no shading language has a fast function for them.
+    fn power(&mut self, base: &TargetText, exponent: &TargetText, operation: Operation) -> TargetText {
+        let factors = exponent.known.as_ref().and_then(|known| PRODUCTS.into_iter().find(|factors| *factors as f32 == known[0]));
+        let Some(factors) = factors else {
+            let name = self.shared.dialect.native(operation).unwrap_or("pow");
+            return TargetText::atom(call(name, &[base.clone(), exponent.clone()]), Type::Scalar);
+        };
+        let is_name = base.precedence == Precedence::Atom && !base.text.contains('(');
+        let base = if is_name { base.clone() } else { self.value(UNNAMED, base.clone()) };
+        let text = vec![&*base.text; factors].join(" * ");
+        TargetText { text, precedence: Precedence::Product, ty: Type::Scalar, known: None }
+    }
+}
+
+impl TermWriter for Function<'_, '_> {
+    type Written = TargetText;
 
     fn number(&mut self, number: f32) -> TargetText {
         let text = self.shared.dialect.number(number);
@@ -161,77 +151,20 @@ impl Function<'_, '_> {
         TargetText { text, precedence, ty: Type::Scalar, known }
     }
 
-    /// A variable: a parameter of the function, or a value that follows from others.
-    fn variable(&mut self, variable: Variable) -> TargetText {
-        if let Some(known) = self.variables.get(&variable) {
+    fn argument(&mut self, variable: Variable) -> TargetText {
+        if let Some(known) = self.arguments.get(&variable) {
             return known.clone();
         }
-        let written = match self.derived(variable) {
-            Some(value) => self.value(variable.name(), value),
-            None => {
-                self.arguments.insert(variable);
-                TargetText::atom(self.names.take(variable.name()), variable.ty())
-            }
-        };
-        self.variables.insert(variable, written.clone());
+        let written = TargetText::atom(self.names.take(variable.name()), variable.ty());
+        self.arguments.insert(variable, written.clone());
         written
     }
 
-    /// A variable that follows from others, by its definition in the manual.
-    fn derived(&mut self, variable: Variable) -> Option<TargetText> {
-        use Operation::{AddVV, Atan2, Cross, Greater, IfV, Length, MulSS, MulSV, Normalize, SubVV};
-        // The arc cosine would be wrong for small angles.
-        let angle = |function: &mut Self, from: Variable, to: Variable| {
-            let (from, to) = (function.variable(from), function.variable(to));
-            let cross = function.apply(Cross, vec![from.clone(), to.clone()]);
-            let (sine, cosine) = (function.apply(Length, vec![cross]), function.apply(Operation::DotVV, vec![from, to]));
-            function.apply(Atan2, vec![sine, cosine])
-        };
-        Some(match variable {
-            Variable::Mirrored => {
-                let (normal, light) = (self.variable(Variable::Normal), self.variable(Variable::ToLight));
-                let cosine = self.apply(Operation::DotVV, vec![normal.clone(), light.clone()]);
-                let two = self.number(2.0);
-                let twice = self.apply(MulSS, vec![two, cosine]);
-                let along = self.apply(MulSV, vec![twice, normal]);
-                self.apply(SubVV, vec![along, light])
-            }
-            Variable::Halfway => {
-                let (light, view) = (self.variable(Variable::ToLight), self.variable(Variable::ToViewer));
-                let normal = self.variable(Variable::Normal);
-                let sum = self.apply(AddVV, vec![light, view]);
-                let sum = self.value("sum", sum);
-                let (length, zero) = (self.apply(Length, vec![sum.clone()]), self.number(0.0));
-                let has_direction = self.apply(Greater, vec![length, zero]);
-                let direction = self.apply(Normalize, vec![sum]);
-                self.apply(IfV, vec![has_direction, direction, normal])
-            }
-            Variable::Bitangent => {
-                let (normal, tangent) = (self.variable(Variable::Normal), self.variable(Variable::Tangent));
-                self.apply(Cross, vec![normal, tangent])
-            }
-            Variable::Alpha => angle(self, Variable::Normal, Variable::ToLight),
-            Variable::Beta => angle(self, Variable::Mirrored, Variable::ToViewer),
-            Variable::Gamma => angle(self, Variable::Normal, Variable::ToViewer),
-            Variable::Normal
-            | Variable::ToLight
-            | Variable::ToViewer
-            | Variable::Point
-            | Variable::RelativeIndex
-            | Variable::TotalReflection
-            | Variable::Tangent
-            | Variable::GeometricNormal
-            | Variable::SurfaceU
-            | Variable::SurfaceV
-            | Variable::Distance
-            | Variable::Visible
-            | Variable::Radiance
-            | Variable::SampleWeight
-            | Variable::WeightedRadiance => return None,
-        })
+    fn parameter(&mut self, parameter: ParameterId) -> TargetText {
+        let reading = self.shared.parameters.get(&parameter).cloned().unwrap_or_default();
+        TargetText::atom(reading, self.shared.formula.parameter(parameter).ty)
     }
 
-    /// An operation on written operands. They have its types: the checker makes conversions terms of their own.
     fn apply(&mut self, operation: Operation, operands: Vec<TargetText>) -> TargetText {
         let dialect = self.shared.dialect;
         if let Some(folded) = self.folded(operation, &operands) {
@@ -257,7 +190,7 @@ impl Function<'_, '_> {
             }
             (Operation::MakeVector, _, operands) => TargetText::atom(call(dialect.make_vector, operands), ty),
             (Operation::Spread, _, [x]) => {
-                let x = if x.precedence == Precedence::Atom { x.clone() } else { self.value("v", x.clone()) };
+                let x = if x.precedence == Precedence::Atom { x.clone() } else { self.value(UNNAMED, x.clone()) };
                 TargetText::atom(call(dialect.make_vector, &[x.clone(), x.clone(), x]), ty)
             }
             (Operation::GetX, _, [v]) => TargetText::atom(format!("{}.x", v.within(Precedence::Atom)), ty),
@@ -304,47 +237,10 @@ impl Function<'_, '_> {
         }
     }
 
-    /// The value of an operation on known values, by its meaning.
-    fn folded(&mut self, operation: Operation, operands: &[TargetText]) -> Option<TargetText> {
-        let mut stack = Stack::new(32, 0.0);
-        for operand in operands {
-            operand.known.as_ref()?.iter().for_each(|number| stack.push(*number));
-        }
-        operation.apply(&mut Floats, &mut stack);
-        Some(match operation.result() {
-            Type::Vector => {
-                let known = stack.pop::<3>();
-                let parts = known.map(|number| self.number(number));
-                let text = call(self.shared.dialect.make_vector, &parts);
-                TargetText { known: Some(known.as_slice().into()), ..TargetText::atom(text, Type::Vector) }
-            }
-            Type::Truth => {
-                let known = stack.pop::<1>();
-                let text = (known[0] != 0.0).to_string();
-                TargetText { known: Some(known.as_slice().into()), ..TargetText::atom(text, Type::Truth) }
-            }
-            Type::Scalar | Type::Texture => self.number(stack.pop::<1>()[0]),
-        })
-    }
-
-    /// A power. Small whole exponents become products: no shading language has a fast function for them.
-    fn power(&mut self, base: &TargetText, exponent: &TargetText, operation: Operation) -> TargetText {
-        let factors = exponent.known.as_ref().and_then(|known| PRODUCTS.into_iter().find(|factors| *factors as f32 == known[0]));
-        let Some(factors) = factors else {
-            let name = self.shared.dialect.native(operation).unwrap_or("pow");
-            return TargetText::atom(call(name, &[base.clone(), exponent.clone()]), Type::Scalar);
-        };
-        let is_name = base.precedence == Precedence::Atom && !base.text.contains('(');
-        let base = if is_name { base.clone() } else { self.value("v", base.clone()) };
-        let text = vec![&*base.text; factors].join(" * ");
-        TargetText { text, precedence: Precedence::Product, ty: Type::Scalar, known: None }
-    }
-
-    /// An operation for each component of vectors.
     fn by_components(&mut self, operation: Operation, operands: Vec<TargetText>) -> TargetText {
         let bind = |operand: TargetText| match operand.ty {
             Type::Vector if operand.known.is_none() && (operand.precedence != Precedence::Atom || operand.text.contains('(')) => {
-                self.value("v", operand)
+                self.value(UNNAMED, operand)
             }
             Type::Scalar | Type::Vector | Type::Truth | Type::Texture => operand,
         };
@@ -360,6 +256,16 @@ impl Function<'_, '_> {
         });
         let components: Vec<TargetText> = components.collect();
         TargetText::atom(call(self.shared.dialect.make_vector, &components), Type::Vector)
+    }
+
+    fn value(&mut self, wanted: &str, value: TargetText) -> TargetText {
+        let name = self.names.take(wanted);
+        self.statements.push(self.shared.dialect.value(value.ty, &name, &value.text));
+        TargetText { known: value.known, ..TargetText::atom(name, value.ty) }
+    }
+
+    fn is_long(&self, written: &TargetText) -> bool {
+        written.text.len() > LONGEST
     }
 }
 

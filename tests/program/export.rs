@@ -14,7 +14,7 @@ fn a_formula_is_written_to_a_file_or_to_standard_output() {
         "model.wgsl: model.txt in WGSL, for WebGPU\nexit status 0\n"
     );
     assert_eq!(fs::read_to_string(folder.path().join("model.wgsl")).expect("a file"), printed);
-    for language in ["c", "glsl", "hlsl", "brdf"] {
+    for language in ["c", "glsl", "hlsl", "osl", "materialx", "brdf"] {
         let printed = String::from_utf8(run(folder.path(), &format!("export model.txt --to {language}")).stdout).expect("text");
         insta::assert_snapshot!(language, printed);
     }
@@ -49,7 +49,7 @@ fn comments_of_authors_stay_in_their_lines() {
     let folder = folder();
     let formula = "body_specific;\nkd: scalar; // one \\ two\u{2028}three ??/\nks: scalar; // end ??/\nformula;\n= kd*Cd*ks;\n";
     write(&folder, "odd.formula", formula);
-    for language in ["c", "glsl", "hlsl", "wgsl", "brdf"] {
+    for language in ["c", "glsl", "hlsl", "wgsl", "osl", "materialx", "brdf"] {
         let printed = String::from_utf8(run(folder.path(), &format!("export odd.formula --to {language}")).stdout).expect("text");
         assert!(printed.contains("three") && !printed.contains(['\\', '\u{2028}']) && !printed.contains("??/"), "{printed}");
     }

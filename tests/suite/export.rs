@@ -1,5 +1,7 @@
 //! Formulas in other languages: compilers take the texts, and compiled C computes what the formula means.
 
+mod shader_tools;
+
 use illuminator::evaluate::at_point::term_values;
 use illuminator::export::{ExportTarget, export};
 use illuminator::formula::{Formula, Term, TermId};

@@ -2,7 +2,6 @@
 
 float noise_fade(float t) { return t * t * t * (t * (t * 6.0 - 15.0) + 10.0); }
 float noise_mix(float t, float a, float b) { return a + t * (b - a); }
-int noise_at(int index) { return PERMUTATION[index & 255]; }
 
 int noise_lattice(float cell) {
     float rest = cell - 256.0 * floor(cell / 256.0);
