@@ -1,25 +1,29 @@
-//! `illuminator import`: makes a scene and a session of a file of another program.
+//! `illuminator import`: makes a scene and a session, or a formula, of a file of another program.
 
 use crate::cli::options::memory;
 use crate::cli::output::check_folder;
 use crate::cli::progress::Progress;
-use crate::cli::report::{Failure, number, print, say_lines};
+use crate::cli::report::{Failure, explain, number, print, say_lines};
 use clap::Args;
-use illuminator::import::{ImportError, ImportPlan, ImportTarget, plan};
+use illuminator::files::{Readable, reason, replace_text};
+use illuminator::formula::Formula;
+use illuminator::import::{ImportError, ImportPlan, ImportTarget, formula_of_brdf, plan};
 use illuminator::lang::diagnostic::Diagnostic;
 use illuminator::lang::display_text::one_line;
+use illuminator::lang::source::Source;
 use illuminator::mesh::{MeshError, MeshFormat, Omissions, Reading, read_model};
 use illuminator::trace::usable_memory;
+use illuminator::workspace::{FileKind, read_source};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 /// Options of `import`.
 #[derive(Args, Debug)]
 pub(super) struct Options {
-    /// File to import: .obj with its .mtl, .gltf or .glb
+    /// File to import: .obj with its .mtl, .gltf, .glb, or .brdf of BRDF Explorer
     file: PathBuf,
     /// Scene to write, NAME.scene; NAME.toml becomes its session, and NAME-meshes the folder of its meshes; if
-    /// it has images, NAME.formula and NAME-textures are written too
+    /// it has images, NAME.formula and NAME-textures are written too; a .brdf file becomes a formula, NAME.formula
     #[arg(long = "output", short, value_name = "NAME.scene")]
     output: PathBuf,
     /// Replace files that are there
@@ -32,6 +36,9 @@ pub(super) struct Options {
 
 /// Imports the file.
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
+    if options.file.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("brdf")) {
+        return run_brdf(options);
+    }
     let target = ImportTarget::new(&options.output)?;
     check_target(&target, false, options.force)?;
     let name = options.file.display().to_string();
@@ -55,6 +62,39 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     print(&summary(&plan, &target))
 }
 
+/// Translates a file of BRDF Explorer into a formula.
+fn run_brdf(options: &Options) -> Result<(), Failure> {
+    let output = &options.output;
+    if output.extension().is_none_or(|suffix| suffix != FileKind::Formula.suffix()) {
+        let error = Diagnostic::error(format!("`{}` cannot be the name of the formula", output.display()));
+        return Err(Failure::CommandLine(error.help("a .brdf file becomes a formula: write `-o NAME.formula`")));
+    }
+    check_parent(output)?;
+    check_existing(&[output.clone()], options.force)?;
+    let source = read_source(&options.file, None, Readable::RegularOrPipe).map_err(Failure::Input)?;
+    let translated = match formula_of_brdf(&source) {
+        Ok(translated) => translated,
+        Err(errors) => {
+            explain(&errors, &source);
+            return Err(Failure::Reported);
+        }
+    };
+    explain(&translated.remarks, &source);
+    let written = Source::new(output.display().to_string(), translated.text.clone());
+    // What GLSL can say, and the language does not check alike, such as very long formulas.
+    match Formula::parse(&written) {
+        Ok((_, warnings)) => explain(&warnings, &written),
+        Err(errors) => {
+            explain(&errors, &written);
+            return Err(Failure::Reported);
+        }
+    }
+    replace_text(output, &translated.text)
+        .map_err(|error| Failure::input(format!("cannot write `{}`: {}", output.display(), reason(&error))))?;
+    let parameters = number(translated.parameters, "parameter");
+    print(&format!("{}: formula of {parameters}\n", one_line(&output.display().to_string())))
+}
+
 impl From<ImportError> for Failure {
     fn from(error: ImportError) -> Self {
         match error {
@@ -76,9 +116,18 @@ impl From<ImportError> for Failure {
 
 /// Checks that files can be written, and that none is replaced that should not be.
 fn check_target(target: &ImportTarget, has_images: bool, force: bool) -> Result<(), Failure> {
-    let folder = target.scene().parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    check_folder(folder)?;
-    let existing = target.existing(has_images);
+    check_parent(target.scene())?;
+    check_existing(&target.existing(has_images), force)
+}
+
+/// Checks that the folder of a file is there.
+fn check_parent(file: &Path) -> Result<(), Failure> {
+    check_folder(file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new(".")))
+}
+
+/// Checks that none of these files is there.
+fn check_existing(paths: &[PathBuf], force: bool) -> Result<(), Failure> {
+    let existing: Vec<&PathBuf> = paths.iter().filter(|path| path.symlink_metadata().is_ok()).collect();
     if force || existing.is_empty() {
         return Ok(());
     }

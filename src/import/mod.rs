@@ -1,9 +1,10 @@
 //! Scenes from files of other programs: a body for each part of a file, its camera and lights, and a session with its
-//! colours.
+//! colours. Formulas from files of BRDF Explorer.
 //!
 //! [`plan`] turns a [`MeshModel`] into texts and meshes, and [`ImportPlan::write`] writes them. What the languages of
 //! this program cannot say is left out or simplified, and listed.
 
+mod brdf;
 mod looks;
 mod names;
 mod target;
@@ -12,6 +13,7 @@ mod tests;
 mod textures;
 mod view;
 
+pub use brdf::{BrdfFormula, formula_of_brdf};
 pub use target::{ImportError, ImportTarget};
 
 use crate::lang::ast::Constant;

@@ -1,5 +1,6 @@
 //! Formulas in other languages: compilers take the texts, and compiled C computes what the formula means.
 
+mod brdf;
 mod shader_tools;
 
 use illuminator::evaluate::at_point::term_values;
