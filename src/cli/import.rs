@@ -70,7 +70,7 @@ fn run_brdf(options: &Options) -> Result<(), Failure> {
         return Err(Failure::CommandLine(error.help("a .brdf file becomes a formula: write `-o NAME.formula`")));
     }
     check_parent(output)?;
-    check_existing(&[output.clone()], options.force)?;
+    check_existing(std::slice::from_ref(output), options.force)?;
     let source = read_source(&options.file, None, Readable::RegularOrPipe).map_err(Failure::Input)?;
     let translated = match formula_of_brdf(&source) {
         Ok(translated) => translated,

@@ -18,7 +18,7 @@ use crate::lang::display_text::one_line;
 use crate::lang::format::formatted;
 use crate::lang::source::Source;
 use names::FormulaNames;
-use parameters::Declared;
+use parameters::BrdfDeclaration;
 use std::collections::HashSet;
 use translation::Translation;
 
@@ -44,8 +44,8 @@ pub fn formula_of_brdf(source: &Source) -> Result<BrdfFormula, Diagnostics> {
     let words = tokens::tokens(source.text(), file.shader.clone(), &mut diagnostics);
     let shader = parser::parse(words, file.shader.end, &mut diagnostics);
     let mut names = FormulaNames::new();
-    let declared: Vec<Declared> =
-        file.parameters.iter().map(|parameter| Declared::new(parameter, &mut names, &mut diagnostics)).collect();
+    let declared: Vec<BrdfDeclaration> =
+        file.parameters.iter().map(|parameter| BrdfDeclaration::new(parameter, &mut names, &mut diagnostics)).collect();
     if diagnostics.has_errors() {
         return Err(diagnostics);
     }
@@ -59,7 +59,7 @@ pub fn formula_of_brdf(source: &Source) -> Result<BrdfFormula, Diagnostics> {
     for (head, expression) in needed(&translation.definitions, &model.text) {
         text += &format!("{head} = {expression};\n");
     }
-    let light = if file.is_export || declared.iter().any(Declared::is_light_colour) { "" } else { "IL*" };
+    let light = if file.is_export || declared.iter().any(BrdfDeclaration::is_light_colour) { "" } else { "IL*" };
     text += &format!("\n= {light}pi*max(0, dot(N, L))*{};\n", model.text);
     let text = formatted(&Source::new(source.name(), text.clone())).unwrap_or(text);
     Ok(BrdfFormula { text, parameters: declared.len(), remarks: diagnostics })

@@ -174,3 +174,64 @@ fn images_of_materials_are_seen_upright() {
     let refused = told(folder.path(), "import sign.obj -o sub/s.scene");
     assert!(refused.contains("there is already `sub/s.formula`, `sub/s-textures`"), "{refused}");
 }
+
+#[test]
+fn a_model_of_brdf_explorer_becomes_a_formula() {
+    let folder = folder();
+    let model = "analytic\n\n::begin parameters\n# sharpness\nfloat n 1 500 60\nbool on 1\ncolor Cd .9 .5 .2\nfloat alpha 0 1 2\n\
+        ::end parameters\n\n::begin shader\nconst float PI = 3.14159265358979;\nfloat sqr(float x) { return x*x; }\n\
+        vec3 BRDF(vec3 L, vec3 V, vec3 N, vec3 X, vec3 Y)\n{\n    vec3 H = normalize(L + V);\n    float d = pow(max(0, dot(N, H)), n);\n    \
+        if (on) d *= (n + 2)/(2*PI);\n    if (dot(N, V) < 0) return vec3(0);\n    return Cd/PI + sqr(alpha)*d + 1/2;\n}\n::end shader\n";
+    write(&folder, "lobe.brdf", model);
+    let said = told(folder.path(), "import lobe.brdf -o lobe.formula");
+    let formula = fs::read_to_string(folder.path().join("lobe.formula")).expect("a formula");
+    insta::assert_snapshot!("brdf", format!("{said}\n== lobe.formula\n{formula}"));
+    assert!(told(folder.path(), "check lobe.formula").ends_with("0 errors, 0 warnings\nexit status 0\n"));
+    assert_eq!(
+        told(folder.path(), "render preset:studio --formula lobe.formula --size 32x24 -o lobe.png").lines().last(),
+        Some("exit status 0")
+    );
+}
+
+#[test]
+fn what_of_brdf_explorer_is_not_translated_is_said() {
+    let folder = folder();
+    let file = |name: &str, declarations: &str, shader: &str| {
+        let head = format!("analytic\n::begin parameters\n{declarations}\n::end parameters");
+        write(&folder, name, &format!("{head}\n::begin shader\n{shader}\n::end shader\n"));
+    };
+    let model = |body: &str| format!("vec3 BRDF(vec3 L, vec3 V, vec3 N, vec3 X, vec3 Y)\n{{\n{body}\n}}");
+    let declared = "#define TWO 2\nconst float T[2] = float[2](1.0, 2.0);\nfloat f(inout float x) { return x; }\nmat3 m(float x) { return mat3(x); }\n";
+    let body = "    float s = 0.0;\n    for (int i = 0; i < 3; i++) { s += T[i]; }\n    vec2 v = vec2(1.0);\n    int k = int(L.x);\n    \
+        float a = T[0];\n    float b = TWO;\n    float c = f(s);\n    float d = f(1.0) + m(1.0)[0];\n    float e = refract(L, N, 1.0).x;\n    \
+        vec3 g = L + true;\n    g.x = what;\n    float h = V.xy + dot(L);\n    bool p = L < V;\n    float q = L;\n    q += 1.0;\n    \
+        absent = 1.0;\n    emit(L);\n    float r; s = r;\n    discard;\n    return s;";
+    file("foreign.brdf", "", &(declared.to_owned() + &model(body)));
+    file("syntax.brdf", "", &model("    return L * ;"));
+    file("other.brdf", "", "vec3 BRDF(vec3 L, vec3 V) { return L; }");
+    file("none.brdf", "", "float f(float x) { return x; }");
+    file("open.brdf", "", &model("    if (L.x > 0.0) return L;"));
+    file("parameters.brdf", "int n 1 2 3\nfloat a 1 0 0\nfloat b 0 1\nbool c\ncolor d 1 1\nfloat e 0 1 x\nfloat f-g 0 1 1", "");
+    write(&folder, "measured.brdf", "bin3d\n");
+    write(&folder, "half.brdf", "analytic\n::begin shader\n");
+    write(&folder, "there.formula", "");
+    check(
+        "import_brdf",
+        &folder,
+        &[
+            "import foreign.brdf -o a.formula",
+            "import syntax.brdf -o a.formula",
+            "import other.brdf -o a.formula",
+            "import none.brdf -o a.formula",
+            "import open.brdf -o a.formula",
+            "import parameters.brdf -o a.formula",
+            "import measured.brdf -o a.formula",
+            "import half.brdf -o a.formula",
+            "import half.brdf -o a.scene",
+            "import half.brdf -o there.formula",
+            "import half.brdf -o nowhere/a.formula",
+            "import absent.brdf -o a.formula",
+        ],
+    );
+    assert!(!folder.path().join("a.formula").exists());
+}

@@ -78,7 +78,7 @@ pub(super) fn call(name: &str, arguments: Vec<FormulaText>) -> Option<FormulaTex
     if let Some(converted) = conversion(name, &arguments) {
         return Some(converted);
     }
-    let arguments: Vec<FormulaText> = arguments.into_iter().map(|own| own.as_number()).collect::<Option<_>>()?;
+    let arguments: Vec<FormulaText> = arguments.into_iter().map(|own| own.into_number()).collect::<Option<_>>()?;
     let count = arguments.len();
     let vectors = arguments.iter().filter(|own| own.ty == GlslType::Vec3).count();
     let ty = if vectors > 0 { GlslType::Vec3 } else { GlslType::Float };
@@ -120,24 +120,24 @@ pub(super) fn call(name: &str, arguments: Vec<FormulaText>) -> Option<FormulaTex
 
 impl FormulaText {
     /// As an argument for numbers; `None` for conditions.
-    fn as_number(self) -> Option<FormulaText> {
-        if self.ty == GlslType::Bool { None } else { Some(self.as_float()) }
+    fn into_number(self) -> Option<FormulaText> {
+        if self.ty == GlslType::Bool { None } else { Some(self.into_float()) }
     }
 }
 
 /// A constructor: `float(x)`, `vec3(x)`.
 fn conversion(name: &str, arguments: &[FormulaText]) -> Option<FormulaText> {
     match (name, arguments) {
-        ("float", [x]) if x.ty != GlslType::Vec3 => Some(x.clone().as_float()),
+        ("float", [x]) if x.ty != GlslType::Vec3 => Some(x.clone().into_float()),
         ("int", [x]) if x.whole.is_some() => Some(x.clone()),
         ("bool", [x]) if x.ty == GlslType::Bool => Some(x.clone()),
         ("bool", [x]) if x.ty != GlslType::Vec3 => {
-            binary(BinaryOperator::NotEqual, x.clone().as_float(), FormulaText::atom("0", GlslType::Float))
+            binary(BinaryOperator::NotEqual, x.clone().into_float(), FormulaText::atom("0", GlslType::Float))
         }
         ("vec3", [x]) if x.ty == GlslType::Vec3 => Some(x.clone()),
-        ("vec3", [x]) => Some(x.clone().as_float().spread()),
+        ("vec3", [x]) => Some(x.clone().into_float().spread()),
         ("vec3", [_, _, _]) if arguments.iter().all(|own| own.ty != GlslType::Vec3) => {
-            let parts: Vec<String> = arguments.iter().map(|own| own.clone().as_float().as_argument()).collect();
+            let parts: Vec<String> = arguments.iter().map(|own| own.clone().into_float().as_argument()).collect();
             Some(FormulaText::atom(format!("<{}>", parts.join(", ")), GlslType::Vec3))
         }
         _ => None,

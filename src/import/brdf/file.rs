@@ -130,7 +130,7 @@ fn parameter(line: &str, span: SourceSpan, comment: Option<&str>) -> Result<Brdf
     };
     let is_part = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
     if !words[1].chars().all(is_part) || words[1].starts_with(|first: char| first.is_ascii_digit()) {
-        return Err(wrong("a parameter has a name that is none in GLSL", usages[0]));
+        return Err(wrong("a parameter has a name that GLSL does not allow", usages[0]));
     }
     Ok(BrdfParameter { name: words[1].to_owned(), span, value, note: comment.map(note) })
 }

@@ -9,7 +9,7 @@ use crate::lang::types::Type;
 use crate::lang::variables::{Owner, PREDEFINED_SECTION, Predefined};
 
 /// A parameter as the formula declares it.
-pub(super) struct Declared<'f> {
+pub(super) struct BrdfDeclaration<'f> {
     pub(super) parameter: &'f BrdfParameter,
     /// Its name in the formula.
     name: String,
@@ -17,7 +17,7 @@ pub(super) struct Declared<'f> {
     predefined: Option<Predefined>,
 }
 
-impl<'f> Declared<'f> {
+impl<'f> BrdfDeclaration<'f> {
     /// Finds a name for a parameter.
     pub(super) fn new(parameter: &'f BrdfParameter, names: &mut FormulaNames, diagnostics: &mut Diagnostics) -> Self {
         let ty = match parameter.value {
@@ -113,9 +113,9 @@ impl<'f> Declared<'f> {
 }
 
 /// The sections that declare parameters.
-pub(super) fn sections(declared: &[Declared]) -> String {
-    let section = |name: &str, of: &dyn Fn(&Declared) -> bool| {
-        let lines: String = declared.iter().filter(|own| of(own)).filter_map(Declared::text).collect();
+pub(super) fn sections(declared: &[BrdfDeclaration]) -> String {
+    let section = |name: &str, of: &dyn Fn(&BrdfDeclaration) -> bool| {
+        let lines: String = declared.iter().filter(|own| of(own)).filter_map(BrdfDeclaration::text).collect();
         if lines.is_empty() { String::new() } else { format!("\n{name};\n{lines}") }
     };
     let own = Owner::ALL.map(|owner| section(owner.section(), &|own| own.predefined.is_none() && own.owner() == owner));

@@ -56,8 +56,8 @@ impl FormulaText {
         self.within(FormulaBinding::Sum)
     }
 
-    /// As a number that is no whole number any more.
-    pub(super) fn as_float(self) -> Self {
+    /// The same value as a number that is no whole number any more.
+    pub(super) fn into_float(self) -> Self {
         match self.ty {
             GlslType::Int => Self { ty: GlslType::Float, whole: None, ..self },
             GlslType::Bool => Self::atom(self.within(FormulaBinding::Atom), GlslType::Float),
@@ -101,14 +101,16 @@ impl FormulaText {
 
 /// An operation on two values; `None` if formulas have none for their types.
 pub(super) fn binary(operator: BinaryOperator, left: FormulaText, right: FormulaText) -> Option<FormulaText> {
-    use BinaryOperator::{Add, And, Divide, Equal, ExclusiveOr, Multiply, NotEqual, Or, Subtract};
+    use BinaryOperator::{
+        Add, And, Divide, Equal, ExclusiveOr, Greater, GreaterEqual, Less, LessEqual, Multiply, NotEqual, Or, Subtract,
+    };
     if let (Some(x), Some(y)) = (left.whole, right.whole) {
         let folded = match operator {
             Add => x.checked_add(y),
             Subtract => x.checked_sub(y),
             Multiply => x.checked_mul(y),
             Divide => x.checked_div(y),
-            _ => None,
+            Less | LessEqual | Greater | GreaterEqual | Equal | NotEqual | And | ExclusiveOr | Or => None,
         };
         if let Some(whole) = folded {
             return Some(FormulaText::whole(whole));
@@ -122,12 +124,12 @@ pub(super) fn binary(operator: BinaryOperator, left: FormulaText, right: Formula
             let text = format!("{} || {}", left.within(FormulaBinding::Or), right.within(FormulaBinding::And));
             return Some(FormulaText::new(text, FormulaBinding::Or, GlslType::Bool));
         }
-        (ExclusiveOr | NotEqual, (true, true)) => return Some(comparison("!=", &left.as_float(), &right.as_float())),
-        (Equal, (true, true)) => return Some(comparison("==", &left.as_float(), &right.as_float())),
+        (ExclusiveOr | NotEqual, (true, true)) => return Some(comparison("!=", &left.into_float(), &right.into_float())),
+        (Equal, (true, true)) => return Some(comparison("==", &left.into_float(), &right.into_float())),
         (And | Or | ExclusiveOr, _) | (_, (true, _) | (_, true)) => return None,
         _ => {}
     }
-    let (left, right) = (left.as_float(), right.as_float());
+    let (left, right) = (left.into_float(), right.into_float());
     let has_vector = left.ty == GlslType::Vec3 || right.ty == GlslType::Vec3;
     let ty = if has_vector { GlslType::Vec3 } else { GlslType::Float };
     match operator {
@@ -145,18 +147,16 @@ pub(super) fn binary(operator: BinaryOperator, left: FormulaText, right: Formula
             let equal = [0, 1, 2].map(|index| comparison("==", &left.component(index), &right.component(index)));
             Some(equal[0].and(&equal[1]).and(&equal[2]))
         }
-        _ if has_vector => None,
-        _ => Some(comparison(sign, &left, &right)),
+        Less | LessEqual | Greater | GreaterEqual | Equal | NotEqual if !has_vector => Some(comparison(sign, &left, &right)),
+        Less | LessEqual | Greater | GreaterEqual | Equal | NotEqual | And | ExclusiveOr | Or => None,
     }
 }
 
 fn arithmetic(operator: BinaryOperator, sign: &str, left: &FormulaText, right: &FormulaText, ty: GlslType) -> FormulaText {
-    let (binding, blank) = match operator {
-        BinaryOperator::Add | BinaryOperator::Subtract => (FormulaBinding::Sum, " "),
-        _ => (FormulaBinding::Product, ""),
-    };
+    let is_sum = matches!(operator, BinaryOperator::Add | BinaryOperator::Subtract);
+    let (binding, blank) = if is_sum { (FormulaBinding::Sum, " ") } else { (FormulaBinding::Product, "") };
     // A sum or a product on the right is one of its own, and so is a sign there.
-    let text = format!("{}{blank}{sign}{blank}{}", left.within(binding), right.within(FormulaBinding::Atom.min(next(binding))));
+    let text = format!("{}{blank}{sign}{blank}{}", left.within(binding), right.within(next(binding)));
     FormulaText::new(text, binding, ty)
 }
 

@@ -102,9 +102,8 @@ fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-#[test]
-fn statements_and_functions_mean_what_they_mean_in_glsl() {
-    let shader = "
+/// Statements of all kinds that are translated.
+const STATEMENTS: &str = "
         #version 120
         const float PI = 3.14159265, TWO = 2.;
         float sqr(float x) { return x*x; }
@@ -121,7 +120,7 @@ fn statements_and_functions_mean_what_they_mean_in_glsl() {
                 if (x > a) return 0.0;
                 x = 1 - (x - b)/(a - b);
             } else return x < a ? 0.0 : 1.0;
-            for_all: return x*x*(3 - TWO*x);
+            return x*x*(3 - TWO*x);
         }
         float unused(float x) { for (int i = 0; i < 3; i++) x += 1.0; return x; }
         vec3 BRDF(vec3 L, vec3 V, vec3 N, vec3 X, vec3 Y)
@@ -135,8 +134,10 @@ fn statements_and_functions_mean_what_they_mean_in_glsl() {
             float r = ramp(0.2, 0.8, c) + 2.0*ramp(0.9, 0.1, d) + 4.0*ramp(0.3, 0.3, e);
             return v/(1.0 + abs(v))*(on ? 1.0 : 0.5) + r + 1/2 + vec3(7/2, mod(-c, 0.3), max(k, atan(c, d))) - inversesqrt(v + 20.0);
         }";
-    let shader = shader.replace("for_all: ", "");
-    let text = file("# how much\nfloat k 0 2 .25\nbool on 1", &shader);
+
+#[test]
+fn statements_and_functions_mean_what_they_mean_in_glsl() {
+    let text = file("# how much\nfloat k 0 2 .25\nbool on 1", STATEMENTS);
     let formula = imported("statements", &text).expect("plain arithmetic");
     let sqr = |x: f32| x * x;
     let ramp = |a: f32, b: f32, x: f32| {
