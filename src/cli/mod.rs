@@ -56,9 +56,9 @@ enum Command {
     Render(render::Options),
     /// Make pictures that differ in one or two values: a contact sheet, or numbered files
     Sweep(sweep::Options),
-    /// Make a scene and a session of a model from another program
+    /// Make a scene and a session, or a formula, of a model from another program
     Import(import::Options),
-    /// Write a formula in C or a shading language
+    /// Write a formula in another language: C, shading languages, MaterialX
     Export(export::Options),
     /// Check formulas, scenes, sessions and material libraries for mistakes
     Check(check::Options),

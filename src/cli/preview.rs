@@ -8,12 +8,13 @@ use illuminator::preview::window::screen::Screen;
 use illuminator::preview::window::{WindowError, WindowExit, WindowOptions, run as show};
 use illuminator::preview::workshop::OpeningErrors;
 use illuminator::user_data::folders::Folders;
-use illuminator::workspace::Location;
+use illuminator::workspace::presets::DEFAULT_SESSION;
+use illuminator::workspace::{FileKind, Location};
 use std::ffi::OsString;
 
 #[derive(clap::Args, Default)]
 pub(super) struct Options {
-    /// Session file [default: the startup session of the settings]
+    /// Session file, or a formula or scene for the built-in session [default: the startup session of the settings]
     session: Option<OsString>,
 
     /// Also print the log on standard error
@@ -24,7 +25,13 @@ pub(super) struct Options {
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let location = options.session.as_ref().map(Location::new);
     let folders = Folders::platform();
-    let mut app = App::new(location.as_ref(), folders.as_ref().ok()).map_err(refuse)?;
+    let text = location.as_ref().and_then(|location| Some((kind_of_text(location)?, location.clone())));
+    let built_in = Location::Preset(DEFAULT_SESSION.to_owned());
+    let session = if text.is_some() { Some(&built_in) } else { location.as_ref() };
+    let mut app = App::new(session, folders.as_ref().ok()).map_err(refuse)?;
+    if let Some((kind, location)) = text {
+        app.open(kind, location);
+    }
     if let Err(reason) = &folders {
         app.notify_no_user_data(reason);
     }
@@ -56,6 +63,13 @@ impl signals::Closing for WindowExit {
     fn last_resort(&self) {
         WindowExit::last_resort(self);
     }
+}
+
+/// The kind of a file whose suffix is that of a formula or a scene, as file managers open them.
+fn kind_of_text(location: &Location) -> Option<FileKind> {
+    let Location::File(path) = location else { return None };
+    let suffix = path.extension()?;
+    [FileKind::Formula, FileKind::Scene].into_iter().find(|kind| suffix == kind.suffix())
 }
 
 /// Reports why the window cannot open.

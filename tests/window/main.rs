@@ -197,6 +197,15 @@ fn the_window_follows_the_mouse_and_the_keyboard() {
 }
 
 #[test]
+fn a_formula_of_the_command_line_opens_in_the_built_in_session() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("mine.formula");
+    std::fs::write(&path, "formula;\n= IL*Cd*max(0, N.L);\n").expect("a file");
+    let screen = Screen::new(path.to_str().expect("UTF-8"));
+    wait("the formula", || screen.told("mine.formula: read in") == 1);
+}
+
+#[test]
 fn the_camera_and_a_light_follow_the_mouse_and_one_undo_brings_each_back() {
     let screen = Screen::new("preset:studio");
     let away = [200, 500];

@@ -60,7 +60,7 @@ enum ValueForm {
 }
 
 /// A function that is being translated.
-struct Scope {
+struct FunctionScope {
     locals: Vec<Local>,
     form: ValueForm,
     /// The results, each with the condition under which it is returned; `None` is always. The first one counts.
@@ -256,7 +256,7 @@ impl<'s> Translation<'s> {
     fn body(&mut self, index: usize, locals: Vec<Local>, form: ValueForm) -> Translated<FormulaText> {
         let function: &'s GlslFunction = &self.shader.functions[index];
         let result = function.result.unwrap_or(GlslType::Float);
-        let mut scope = Scope { locals, form, returns: Vec::new(), result };
+        let mut scope = FunctionScope { locals, form, returns: Vec::new(), result };
         self.calls.push(index);
         let returned = self.statements(&function.body, &mut scope, None);
         self.calls.pop();

@@ -336,7 +336,8 @@ impl App {
         self.apply_opened(tab);
     }
 
-    fn open(&mut self, kind: FileKind, location: Location) {
+    /// Opens a file: a formula or a scene in the place of that of the session, or another session.
+    pub fn open(&mut self, kind: FileKind, location: Location) {
         let Some(tab) = TextTab::of(kind) else { return self.open_session(location) };
         match location.read(kind, Readable::Regular) {
             Ok(source) => {

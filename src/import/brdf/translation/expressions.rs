@@ -3,7 +3,7 @@
 use crate::import::brdf::builtins;
 use crate::import::brdf::glsl::{BinaryOperator, GlslExpression, GlslExpressionKind, GlslFunction, GlslName, GlslType};
 use crate::import::brdf::parser::component_of;
-use crate::import::brdf::translation::{LocalValue, Scope, Translated, Translation, Untranslated, ValueForm};
+use crate::import::brdf::translation::{FunctionScope, LocalValue, Translated, Translation, Untranslated, ValueForm};
 use crate::import::brdf::written::{FormulaBinding, FormulaText, binary};
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::source::SourceSpan;
@@ -25,7 +25,7 @@ impl Translation<'_> {
         Err(self.report(span, format!("types do not fit: {what}"), label))
     }
 
-    pub(super) fn expression(&mut self, expression: &GlslExpression, scope: &mut Scope) -> Translated<FormulaText> {
+    pub(super) fn expression(&mut self, expression: &GlslExpression, scope: &mut FunctionScope) -> Translated<FormulaText> {
         let span = expression.span;
         match &expression.kind {
             GlslExpressionKind::Number(text) => self.number(text, span),
@@ -92,7 +92,7 @@ impl Translation<'_> {
     }
 
     /// What a name means.
-    pub(super) fn name(&mut self, name: &str, span: SourceSpan, scope: &Scope) -> Translated<FormulaText> {
+    pub(super) fn name(&mut self, name: &str, span: SourceSpan, scope: &FunctionScope) -> Translated<FormulaText> {
         if let Some(local) = scope.locals.iter().rev().find(|local| local.name == name) {
             return match &local.value {
                 LocalValue::Known(value) => Ok(value.clone()),
@@ -114,7 +114,7 @@ impl Translation<'_> {
         // A constant whose value is being found means nothing in it.
         self.globals.insert(name.to_owned(), LocalValue::Broken);
         let form = ValueForm::Macros(String::new());
-        let mut outside = Scope { locals: Vec::new(), form, returns: Vec::new(), result: *ty };
+        let mut outside = FunctionScope { locals: Vec::new(), form, returns: Vec::new(), result: *ty };
         let value = self.assigned(name, value, *ty, &mut outside)?;
         self.globals.insert(name.to_owned(), LocalValue::Known(value.clone()));
         Ok(value)
@@ -149,7 +149,7 @@ impl Translation<'_> {
         name: &GlslName,
         arguments: &[GlslExpression],
         span: SourceSpan,
-        scope: &mut Scope,
+        scope: &mut FunctionScope,
     ) -> Translated<FormulaText> {
         let mut given = Vec::new();
         for argument in arguments {

@@ -1,7 +1,7 @@
 //! Statements as values under conditions.
 
 use crate::import::brdf::glsl::{BinaryOperator, GlslComponent, GlslExpression, GlslName, GlslStatement, GlslType};
-use crate::import::brdf::translation::{Local, LocalValue, Scope, Translated, Translation, Untranslated};
+use crate::import::brdf::translation::{FunctionScope, Local, LocalValue, Translated, Translation, Untranslated};
 use crate::import::brdf::written::FormulaText;
 
 impl Translation<'_> {
@@ -9,7 +9,7 @@ impl Translation<'_> {
     pub(super) fn statements(
         &mut self,
         statements: &[GlslStatement],
-        scope: &mut Scope,
+        scope: &mut FunctionScope,
         path: Option<&FormulaText>,
     ) -> Translated<bool> {
         let outer = scope.locals.len();
@@ -30,7 +30,12 @@ impl Translation<'_> {
         if failed { Err(Untranslated::Reported) } else { Ok(false) }
     }
 
-    fn statement(&mut self, statement: &GlslStatement, scope: &mut Scope, path: Option<&FormulaText>) -> Translated<bool> {
+    fn statement(
+        &mut self,
+        statement: &GlslStatement,
+        scope: &mut FunctionScope,
+        path: Option<&FormulaText>,
+    ) -> Translated<bool> {
         match statement {
             GlslStatement::Declare(ty, declared) => {
                 for (name, value) in declared {
@@ -69,7 +74,7 @@ impl Translation<'_> {
         name: &str,
         value: &GlslExpression,
         ty: GlslType,
-        scope: &mut Scope,
+        scope: &mut FunctionScope,
     ) -> Translated<FormulaText> {
         let span = value.span;
         let value = self.expression(value, scope)?;
@@ -84,7 +89,7 @@ impl Translation<'_> {
         component: Option<GlslComponent>,
         operator: Option<BinaryOperator>,
         value: &GlslExpression,
-        scope: &mut Scope,
+        scope: &mut FunctionScope,
     ) -> Translated<()> {
         let Some(at) = scope.locals.iter().rposition(|local| local.name == name.text) else {
             let message = format!("`{}` is changed, and it is no value of this function", name.text);
@@ -116,7 +121,7 @@ impl Translation<'_> {
         component: Option<GlslComponent>,
         operator: Option<BinaryOperator>,
         value: &GlslExpression,
-        scope: &mut Scope,
+        scope: &mut FunctionScope,
     ) -> Translated<FormulaText> {
         let span = value.span;
         let value = self.expression(value, scope)?;
@@ -140,7 +145,7 @@ impl Translation<'_> {
         &mut self,
         condition: &GlslExpression,
         [then, other]: [&[GlslStatement]; 2],
-        scope: &mut Scope,
+        scope: &mut FunctionScope,
         path: Option<&FormulaText>,
     ) -> Translated<bool> {
         let span = condition.span;
