@@ -9,6 +9,7 @@ mod inspection;
 mod lights;
 mod materials;
 mod models;
+mod packaging;
 mod presets;
 mod reference;
 mod round_trip;
