@@ -15,6 +15,8 @@ def sliders(session: Session, names: Optional[Iterable[str]] = None) -> Any:
     """
     import ipywidgets  # type: ignore[import-untyped]
 
+    if isinstance(names, str):
+        names = [names]
     names = _marked(session) if names is None else list(names)
     image = ipywidgets.Image(value=session._repr_png_(), format="png")
     rows = [_slider(ipywidgets, session, name) for name in names]

@@ -2,16 +2,20 @@
 
 use crate::arrays;
 use crate::diagnostics::failure;
+use crate::work::interruptible;
 use illuminator::evaluate::at_point::{term_values, variable_at_point};
 use illuminator::formula::{Formula, ParameterId, Term, TermId};
+use illuminator::lang::ast::Constant;
 use illuminator::lang::types::Type;
 use illuminator::lang::variables::Variable;
+use illuminator::workspace::assignment::parse_value;
 use illuminator::workspace::textures;
-use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1};
+use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use rayon::prelude::*;
 use std::path::Path;
+use std::sync::atomic::Ordering;
 
 /// What a name in a call stands for.
 #[derive(Clone, Copy, PartialEq)]
@@ -20,11 +24,12 @@ enum Named {
     Parameter(ParameterId),
 }
 
-/// Numbers that were given for a name: those of all points, `components` for each.
-struct GivenNumbers<'py> {
+/// Numbers that were given for a name: those of all points, `components` for each. They are a copy, because other
+/// threads of Python may write into the array.
+struct GivenNumbers {
     named: Named,
     components: usize,
-    numbers: PyReadonlyArray1<'py, f32>,
+    numbers: Vec<f32>,
 }
 
 /// The value of a formula, or of one of its macros, see [`Formula`](crate::formula::Formula).
@@ -39,7 +44,10 @@ pub(crate) fn evaluate<'py>(
     let mut arrays = Vec::new();
     for (name, value) in given.into_iter().flat_map(|given| given.iter()) {
         let (named, components) = lookup(formula, &name.extract::<String>()?)?;
-        let value = number_of_text(formula, named, value)?;
+        if value.is_none() {
+            return Err(failure(format!("`{name}` is None; leave it out for its default")));
+        }
+        let value = numbers_of_text(formula, named, value)?;
         let keywords = PyDict::new(py);
         keywords.set_item("dtype", "float32")?;
         let array = numpy.call_method("asarray", (value,), Some(&keywords))?;
@@ -59,8 +67,8 @@ pub(crate) fn evaluate<'py>(
         let mut whole = shape.clone();
         whole.extend((components > 1).then_some(components));
         let array = numpy.call_method1("broadcast_to", (array, PyTuple::new(py, whole)?))?;
-        let flat = numpy.call_method1("ascontiguousarray", (array,))?.call_method1("reshape", (-1,))?;
-        let numbers = flat.cast_into::<PyArray1<f32>>().map_err(PyErr::from)?.readonly();
+        let flat = numpy.call_method1("require", (array, "float32", "CA"))?.call_method1("reshape", (-1,))?;
+        let numbers = flat.cast_into::<PyArray1<f32>>().map_err(PyErr::from)?.readonly().as_slice().map_err(failure)?.to_vec();
         inputs.push(GivenNumbers { named, components, numbers });
     }
     let components = formula.ty(root).slots();
@@ -96,14 +104,22 @@ fn lookup(formula: &Formula, name: &str) -> PyResult<(Named, usize)> {
     Ok((Named::Parameter(id), formula.parameter(id).ty.slots()))
 }
 
-/// A value with the name of a choice or the path of an image replaced by its number.
-fn number_of_text<'py>(formula: &Formula, named: Named, value: Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+/// A value with the name of a choice, the path of an image or a colour replaced by its numbers.
+fn numbers_of_text<'py>(formula: &Formula, named: Named, value: Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let (Named::Parameter(id), Ok(text)) = (named, value.extract::<String>()) else { return Ok(value) };
     let parameter = formula.parameter(id);
     let py = value.py();
     if parameter.ty == Type::Texture {
         let number = textures::load(Path::new(&text)).map_err(|error| failure(error.message()))?;
         return Ok(number.into_pyobject(py)?.into_any());
+    }
+    if parameter.ty == Type::Vector {
+        return match parse_value(&text) {
+            Some(Constant::Vector(numbers)) => Ok(numbers.into_pyobject(py)?.into_any()),
+            Some(Constant::Scalar(_)) | None => {
+                Err(failure(format!("`{}` is \"{text}\"; give three numbers, or a colour `#rrggbb`", parameter.name)))
+            }
+        };
     }
     let number = parameter.choices.iter().position(|choice| *choice == text).ok_or_else(|| {
         let choices = parameter.choices.join(", ");
@@ -118,12 +134,8 @@ fn number_of_text<'py>(formula: &Formula, named: Named, value: Bound<'py, PyAny>
 
 /// The value of a term at all points, one number or three for each.
 fn values(py: Python<'_>, formula: &Formula, root: TermId, inputs: &[GivenNumbers], count: usize) -> PyResult<Vec<f32>> {
-    let inputs: Vec<(Named, usize, &[f32])> = inputs
-        .iter()
-        .map(|input| Ok((input.named, input.components, input.numbers.as_slice().map_err(failure)?)))
-        .collect::<PyResult<_>>()?;
     let given = |named: Named, point: usize| {
-        let (_, components, numbers) = inputs.iter().find(|(other, ..)| *other == named)?;
+        let GivenNumbers { components, numbers, .. } = inputs.iter().find(|input| input.named == named)?;
         let own = &numbers[point * components..][..*components];
         Some([0, 1, 2].map(|component: usize| own[component.min(components - 1)]))
     };
@@ -137,7 +149,9 @@ fn values(py: Python<'_>, formula: &Formula, root: TermId, inputs: &[GivenNumber
         .collect();
     let of_variable = |variable: Variable, point: usize| {
         let value = variable_at_point(variable, &|other| {
-            given(Named::Variable(other), point).map(|value| glam::Vec3::from(value).as_dvec3())
+            let value = glam::Vec3::from(given(Named::Variable(other), point)?).as_dvec3();
+            // Directions need not be of unit length.
+            Some(if other.is_direction() { value.try_normalize().unwrap_or(value) } else { value })
         });
         value.map(|value| value.as_vec3().to_array())
     };
@@ -150,14 +164,17 @@ fn values(py: Python<'_>, formula: &Formula, root: TermId, inputs: &[GivenNumber
     }
     let slots = formula.ty(root).slots();
     let mut result = vec![0.0; count * slots];
-    py.detach(|| {
+    interruptible(py, |task| {
         result.par_chunks_mut(slots).enumerate().for_each(|(point, result)| {
+            if task.cancelled.load(Ordering::Relaxed) {
+                return;
+            }
             let values = term_values(formula, &|variable| of_variable(variable, point).unwrap_or([f32::NAN; 3]), &|id| {
                 given(Named::Parameter(id), point).unwrap_or_else(|| default_of(formula, id))
             });
             result.copy_from_slice(&values[root.0 as usize][..slots]);
         });
-    });
+    })?;
     Ok(result)
 }
 

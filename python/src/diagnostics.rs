@@ -12,12 +12,7 @@ use pyo3::exceptions::{PyException, PyUserWarning};
 use pyo3::prelude::*;
 use std::ffi::CString;
 
-pyo3::create_exception!(
-    illuminator,
-    IlluminatorError,
-    PyException,
-    "What cannot be done, with the reason. All errors of this package are of this class."
-);
+pyo3::create_exception!(illuminator, IlluminatorError, PyException, "What cannot be done, with the reason.");
 pyo3::create_exception!(
     illuminator,
     TextError,
@@ -46,6 +41,15 @@ pub(crate) struct Place {
 
 #[pymethods]
 impl Place {
+    #[new]
+    fn new(line: usize, column: usize, end_line: usize, end_column: usize, text: String) -> Self {
+        Self { line, column, end_line, end_column, text }
+    }
+
+    fn __getnewargs__(&self) -> (usize, usize, usize, usize, &str) {
+        (self.line, self.column, self.end_line, self.end_column, &self.text)
+    }
+
     fn __repr__(&self) -> String {
         let Self { line, column, end_line, end_column, text } = self;
         format!("Place({line}:{column}-{end_line}:{end_column}, {text:?})")
@@ -75,6 +79,27 @@ pub(crate) struct Diagnostic {
 
 #[pymethods]
 impl Diagnostic {
+    #[new]
+    fn made(is_error: bool, message: String, file: String, places: Vec<Py<Place>>, help: Vec<String>, text: String) -> Self {
+        let places: Vec<Place> = places.iter().map(|place| place.get().clone()).collect();
+        let first = places.first().map(|place| (place.line, place.column));
+        Self {
+            severity: if is_error { "error" } else { "warning" },
+            message,
+            file,
+            line: first.map(|(line, _)| line),
+            column: first.map(|(_, column)| column),
+            places,
+            help,
+            text,
+        }
+    }
+
+    /// Diagnostics can be pickled, so that errors of other processes arrive.
+    fn __getnewargs__(&self) -> (bool, &str, &str, Vec<Place>, Vec<String>, &str) {
+        (self.is_error(), &self.message, &self.file, self.places.clone(), self.help.clone(), &self.text)
+    }
+
     fn __str__(&self) -> String {
         self.text.clone()
     }
@@ -110,6 +135,14 @@ impl Diagnostic {
             help: diagnostic.hints().to_vec(),
             text,
         }
+    }
+
+    /// The same with arguments of Python in place of options of the command line.
+    fn in_terms_of_python(mut self) -> Self {
+        for text in [&mut self.message, &mut self.text].into_iter().chain(&mut self.help) {
+            *text = text.replace("`--memory SIZE` allows", "`memory=` allows").replace("--material ", "materials: ");
+        }
+        self
     }
 
     fn is_error(&self) -> bool {
@@ -148,7 +181,7 @@ impl Found {
             Err(failure) => failure,
         };
         if let OpenProjectError::Input(diagnostic) | OpenProjectError::Request(diagnostic) = failure {
-            list.push(Diagnostic::new(&diagnostic, &Source::new("", "")));
+            list.push(Diagnostic::new(&diagnostic, &Source::new("", "")).in_terms_of_python());
         }
         Err(text_error(py, list.into_iter().filter(Diagnostic::is_error).collect()))
     }
@@ -187,6 +220,18 @@ pub(crate) fn engine_failure(error: EngineError) -> PyErr {
 pub(crate) fn warn(py: Python<'_>, text: &str) -> PyResult<()> {
     let text = CString::new(text.replace('\0', " ")).unwrap_or_default();
     PyErr::warn(py, &py.get_type::<IlluminatorWarning>(), &text, 1)
+}
+
+/// How many warnings about values are given one by one.
+const MOST_WARNINGS: usize = 5;
+
+/// Gives warnings of Python: the first few, and how many more there are.
+pub(crate) fn warn_of_several(py: Python<'_>, texts: &[String]) -> PyResult<()> {
+    texts.iter().take(MOST_WARNINGS).try_for_each(|text| warn(py, text))?;
+    match texts.len().saturating_sub(MOST_WARNINGS) {
+        0 => Ok(()),
+        more => warn(py, &format!("{more} more values are not used as given")),
+    }
 }
 
 /// A formula or a scene to read: at a location, or a text.

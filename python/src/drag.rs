@@ -2,7 +2,7 @@
 
 use crate::arrays;
 use crate::diagnostics::{engine_failure, failure};
-use crate::session::{Session, State, find, mean, numbers};
+use crate::session::{Session, Tracing, find, mean, numbers, on_threads};
 use crate::work::{interruptible, lock};
 use illuminator::engine::{EngineError, Task};
 use illuminator::evaluate::{Drag as EngineDrag, DragBeginning, Evaluator, Framebuffer};
@@ -44,17 +44,20 @@ impl Drag {
         let py = slf.py();
         let this = slf.get();
         let session = this.session.get();
-        let hold = |task: &Task| this.hold(&mut lock(&session.state), task);
+        let values = session.values_now();
+        let (numbers, moved) = (values.numbers().to_vec(), values.moved_indices(this.owner, this.id));
+        let hold = |task: &Task| this.hold(&mut lock(&session.tracing), &numbers, &moved, task);
         let held = interruptible(py, hold)?.map_err(engine_failure)?;
         let large = "the passes of the picture do not fit into the memory together, so there are no drags; take fewer `samples`";
-        *lock(&this.held) = Some(held.ok_or_else(|| failure(large))?);
+        let held = held.ok_or_else(|| failure(large))?;
+        py.detach(|| *lock(&this.held) = Some(held));
         Ok(slf)
     }
 
     /// The picture with the slider at this value, as [`Session.render`] gives it. The session keeps the value.
     fn __call__<'py>(&self, py: Python<'py>, value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray3<f32>>> {
         let value = self.numbers(value)?;
-        let frame = py.detach(|| self.linear(value))?;
+        let frame = interruptible(py, |task| self.linear(value, task))??;
         arrays::picture(py, frame)
     }
 
@@ -62,22 +65,22 @@ impl Drag {
     /// to look at.
     fn image<'py>(&self, py: Python<'py>, value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray3<u8>>> {
         let value = self.numbers(value)?;
-        let (bytes, size) = py.detach(|| self.bytes(value))?;
+        let (bytes, size) = interruptible(py, |_| self.bytes(value))??;
         arrays::bytes(py, bytes, size)
     }
 
     /// How pictures are made: a word.
     #[getter]
-    fn method(&self) -> PyResult<&'static str> {
-        lock(&self.held).as_ref().map(|held| held.drag.method().name()).ok_or_else(not_held)
+    fn method(&self, py: Python<'_>) -> PyResult<&'static str> {
+        py.detach(|| lock(&self.held).as_ref().map(|held| held.drag.method().name())).ok_or_else(not_held)
     }
 
-    fn __exit__(&self, _kind: &Bound<'_, PyAny>, _error: &Bound<'_, PyAny>, _trace: &Bound<'_, PyAny>) {
-        *lock(&self.held) = None;
+    fn __exit__(&self, py: Python<'_>, _kind: &Bound<'_, PyAny>, _error: &Bound<'_, PyAny>, _trace: &Bound<'_, PyAny>) {
+        py.detach(|| *lock(&self.held) = None);
     }
 
-    fn __repr__(&self) -> String {
-        let held = if lock(&self.held).is_some() { "held" } else { "not held" };
+    fn __repr__(&self, py: Python<'_>) -> String {
+        let held = if py.detach(|| lock(&self.held).is_some()) { "held" } else { "not held" };
         format!("<Drag of {}, {held}>", self.name)
     }
 }
@@ -101,15 +104,14 @@ impl Drag {
     }
 
     /// Prepares everything; `None` if the passes of the picture do not fit into the memory together.
-    fn hold(&self, state: &mut State, task: &Task) -> Result<Option<Held>, EngineError> {
-        let (numbers, moved) = (state.values.numbers().to_vec(), state.values.moved_indices(self.owner, self.id));
-        let pool = state.pool();
-        State::on_threads(pool.clone().as_deref(), || {
-            let Some(evaluator) = state.evaluator(task)? else { return Ok(None) };
-            let picture = mean(&*evaluator, &numbers, task)?;
-            let framebuffer = Framebuffer::black(picture.width, picture.height, state.picture.view);
+    fn hold(&self, tracing: &mut Tracing, numbers: &[f32], moved: &[usize], task: &Task) -> Result<Option<Held>, EngineError> {
+        let pool = tracing.pool();
+        on_threads(pool.clone().as_deref(), || {
+            let Some(evaluator) = tracing.evaluator(numbers, task)? else { return Ok(None) };
+            let picture = mean(&*evaluator, numbers, task)?;
+            let framebuffer = Framebuffer::black(picture.width, picture.height, self.session.get().picture.view);
             let beginning = DragBeginning { picture: Arc::new(picture), passes: evaluator.passes() };
-            let mut drag = Arc::clone(&evaluator).drag(&moved, &numbers, MOST, Some(&beginning))?;
+            let mut drag = Arc::clone(&evaluator).drag(moved, numbers, MOST, Some(&beginning))?;
             while !task.cancelled.load(Ordering::Relaxed) && !drag.prepare() {}
             Ok(Some(Held { drag, evaluator, framebuffer, pool }))
         })
@@ -122,25 +124,25 @@ impl Drag {
 
     /// Moves the value. Returns all parameter numbers.
     fn moved(&self, value: [f32; 3]) -> Vec<f32> {
-        let mut state = lock(&self.session.get().state);
-        state.values.move_to(self.owner, self.id, value);
-        state.values.numbers().to_vec()
+        let mut values = lock(&self.session.get().values);
+        values.move_to(self.owner, self.id, value);
+        values.numbers().to_vec()
     }
 
-    fn linear(&self, value: [f32; 3]) -> PyResult<Frame> {
+    fn linear(&self, value: [f32; 3], task: &Task) -> PyResult<Frame> {
         let mut held = lock(&self.held);
         let Held { drag, evaluator, pool, .. } = held.as_mut().ok_or_else(not_held)?;
         let numbers = self.moved(value);
         // Where images do not give the linear picture, it is evaluated.
-        let known = move || drag.linear(&numbers).unwrap_or_else(|| evaluator.frame(&numbers));
-        Ok(State::on_threads(pool.as_deref(), known))
+        let known = move || drag.linear(&numbers).map_or_else(|| mean(&**evaluator, &numbers, task), Ok);
+        on_threads(pool.as_deref(), known).map_err(engine_failure)
     }
 
     fn bytes(&self, value: [f32; 3]) -> PyResult<(Vec<u8>, [u32; 2])> {
         let mut held = lock(&self.held);
         let Held { drag, framebuffer, pool, .. } = held.as_mut().ok_or_else(not_held)?;
         let numbers = self.moved(value);
-        State::on_threads(pool.as_deref(), || drag.frame(&numbers, framebuffer));
+        on_threads(pool.as_deref(), || drag.frame(&numbers, framebuffer));
         let bytes = framebuffer.pixels.iter().flat_map(|pixel| [16, 8, 0].map(|shift| (pixel >> shift) as u8)).collect();
         Ok((bytes, [framebuffer.width, framebuffer.height]))
     }

@@ -176,6 +176,12 @@ impl Formula {
 }
 
 impl Formula {
+    /// The formula at a location that Python gives.
+    pub(crate) fn of(location: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let wanted = || failure("give a formula: a path, `preset:NAME`, or a Formula");
+        Self::read(location.py(), Location::new(location.extract::<PathBuf>().map_err(|_| wanted())?), None)
+    }
+
     fn read(py: Python<'_>, location: Location, text: Option<String>) -> PyResult<Self> {
         let mut found = Found::default();
         let outcome = source_of(&location, FileKind::Formula, text).and_then(|source| {

@@ -1,39 +1,43 @@
 //! Sessions: a formula on a scene, with the values of all parameters, and its pictures.
 
+mod arguments;
 mod names;
 mod open;
-mod passes;
+mod tracing;
 
 use crate::arrays;
-use crate::diagnostics::{failure, warn};
+use crate::diagnostics::{engine_failure, failure, warn};
 use crate::drag::Drag;
 use crate::formula::Formula;
-use crate::scene::Scene;
 use crate::sweep::{self, Sweep};
 use crate::work::{interruptible, lock};
-use illuminator::picture::{Format, Frame, ViewTransform, file_bytes, quantise, save};
-use illuminator::workspace::{NamedAssignment, Session as SessionFile, Values};
+use arguments::SessionArguments;
+use illuminator::engine::Subject;
+use illuminator::files::{Readable, reason};
+use illuminator::lang::source::Source;
+use illuminator::picture::{Format, Frame, file_bytes, quantise, save};
+use illuminator::trace::MAX_PASSES;
+use illuminator::workspace::session::PictureSettings;
+use illuminator::workspace::{FileKind, Location, NamedAssignment, Session as SessionFile, Values};
 use names::assignment;
 pub(crate) use names::{find, named_value, numbers};
 use numpy::PyArray3;
-use open::{Given, open};
-pub(crate) use passes::{State, mean};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict};
-use std::collections::HashMap;
+use pyo3::types::{PyBytes, PyDict, PyIterator};
 use std::path::PathBuf;
 use std::sync::Mutex;
+pub(crate) use tracing::{Tracing, mean, on_threads};
 
 /// A formula on a scene, with the values of all parameters.
 #[pyclass(module = "illuminator", frozen)]
 pub(crate) struct Session {
-    pub(crate) state: Mutex<State>,
-}
-
-impl From<State> for Session {
-    fn from(state: State) -> Self {
-        Self { state: Mutex::new(state) }
-    }
+    pub(crate) subject: Subject,
+    pub(crate) picture: PictureSettings,
+    /// The formula and the scene with their texts.
+    formula: (Location, Source),
+    scene: (Location, Source),
+    pub(crate) values: Mutex<Values>,
+    pub(crate) tracing: Mutex<Tracing>,
 }
 
 #[pymethods]
@@ -47,29 +51,25 @@ impl Session {
     #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn new(
         py: Python<'_>,
-        session: Option<PathBuf>,
+        session: Option<Bound<'_, PyAny>>,
         formula: Option<Bound<'_, PyAny>>,
         scene: Option<Bound<'_, PyAny>>,
-        size: Option<[u32; 2]>,
-        samples: Option<u32>,
-        depth: Option<u32>,
-        shadows: Option<bool>,
-        ior: Option<f64>,
-        background: Option<[f32; 3]>,
-        set: Option<Bound<'_, PyDict>>,
-        materials: Option<HashMap<String, String>>,
+        size: Option<Bound<'_, PyAny>>,
+        samples: Option<Bound<'_, PyAny>>,
+        depth: Option<Bound<'_, PyAny>>,
+        shadows: Option<Bound<'_, PyAny>>,
+        ior: Option<Bound<'_, PyAny>>,
+        background: Option<Bound<'_, PyAny>>,
+        set: Option<Bound<'_, PyAny>>,
+        materials: Option<Bound<'_, PyAny>>,
         backend: Option<&str>,
-        threads: Option<usize>,
-        memory: Option<u64>,
+        threads: Option<Bound<'_, PyAny>>,
+        memory: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let set = set.iter().flat_map(|set| set.iter());
-        let set = set.map(|(name, value)| assignment(&name.extract::<String>()?, &value)).collect::<PyResult<_>>()?;
-        let materials = materials.unwrap_or_default();
-        let materials = materials.iter().map(|(body, name)| format!("{body}={name}").parse().map_err(failure));
-        let given = Given {
+        let arguments = SessionArguments {
             session,
-            formula: formula.map(|formula| open::location::<Formula>(&formula)).transpose()?,
-            scene: scene.map(|scene| open::location::<Scene>(&scene)).transpose()?,
+            formula,
+            scene,
             size,
             samples,
             depth,
@@ -77,52 +77,68 @@ impl Session {
             ior,
             background,
             set,
-            materials: materials.collect::<PyResult<_>>()?,
+            materials,
+            threads,
             memory,
         };
-        Ok(State::new(open(py, given)?, backend, threads, memory)?.into())
+        let given = arguments.given()?;
+        let means = tracing::Means { backend, threads: given.threads, memory: given.memory };
+        let (project, set) = open::open(py, given)?;
+        let passes = project.picture.passes();
+        if !(1..=MAX_PASSES).contains(&passes) {
+            return Err(failure(format!("`samples` is {passes}; it can be 1 to {MAX_PASSES}")));
+        }
+        let session = Self {
+            tracing: Mutex::new(Tracing::new(project.subject.clone(), passes, means)?),
+            subject: project.subject,
+            picture: project.picture,
+            formula: (project.formula_location, project.formula_text),
+            scene: (project.scene_location, project.scene_text),
+            values: Mutex::new(project.values),
+        };
+        session.assign(py, &set)?;
+        Ok(session)
     }
 
     /// Width and height of the picture, in pixels.
     #[getter]
     fn size(&self) -> (u32, u32) {
-        let [width, height] = lock(&self.state).picture.size;
+        let [width, height] = self.picture.size;
         (width, height)
     }
 
     /// How many passes the picture is the mean of.
     #[getter]
     fn samples(&self) -> u32 {
-        lock(&self.state).picture.passes()
+        self.picture.passes()
     }
 
     /// The formula.
     #[getter]
     fn formula(&self) -> Formula {
-        let state = lock(&self.state);
-        let (location, source) = state.formula.clone();
-        Formula { location, source, formula: state.subject.formula.as_ref().clone() }
+        let (location, source) = self.formula.clone();
+        Formula { location, source, formula: self.subject.formula.as_ref().clone() }
     }
 
     /// The names of the bodies.
     #[getter]
-    fn bodies(&self) -> Vec<String> {
-        lock(&self.state).subject.world.scene().bodies.iter().map(|body| body.name.clone()).collect()
+    fn bodies(&self) -> Vec<&str> {
+        self.subject.world.scene().bodies.iter().map(|body| body.name.as_str()).collect()
     }
 
     /// The names of the lights.
     #[getter]
-    fn lights(&self) -> Vec<String> {
-        lock(&self.state).subject.world.scene().lights.iter().map(|light| light.name.clone()).collect()
+    fn lights(&self) -> Vec<&str> {
+        self.subject.world.scene().lights.iter().map(|light| light.name.as_str()).collect()
     }
 
     /// The values of all parameters, by name: `{"ka": 0.1, "ball.kd": 0.6, …}`.
     #[getter]
     fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let state = lock(&self.state);
+        let values = self.values_now();
         let all = PyDict::new(py);
-        for (owner, id, numbers) in state.values.iter() {
-            let table = state.values.table();
+        for (owner, id, numbers) in values.iter() {
+            let table = values.table();
             all.set_item(table.label(owner, id), named_value(py, table.parameter(id), numbers)?)?;
         }
         Ok(all)
@@ -139,38 +155,57 @@ impl Session {
             }
             (Ok(_), Some(_)) => return Err(failure("give names with values, or one name and its value")),
             (Err(_), Some(value)) => vec![assignment(&name.extract::<String>()?, value)?],
-            (Err(_), None) => vec![name.extract::<String>()?.parse().map_err(failure)?],
+            (Err(_), None) => {
+                let text = name.extract::<String>()?;
+                if !text.contains('=') {
+                    return Err(failure(format!("give `{text}` a value: a number, three numbers, or a text")));
+                }
+                vec![text.parse().map_err(failure)?]
+            }
         };
-        let warnings = self.assign(py, &given)?;
-        warnings.iter().try_for_each(|warning| warn(py, warning))
+        self.assign(py, &given)
     }
 
     fn __getitem__(&self, py: Python<'_>, name: &str) -> PyResult<Py<PyAny>> {
-        let state = lock(&self.state);
-        let (owner, id) = find(state.values.table(), name)?;
-        named_value(py, state.values.table().parameter(id), state.values.get(owner, id))
+        let values = self.values_now();
+        let (owner, id) = find(values.table(), name)?;
+        named_value(py, values.table().parameter(id), values.get(owner, id))
     }
 
     fn __setitem__(&self, py: Python<'_>, name: &Bound<'_, PyAny>, value: &Bound<'_, PyAny>) -> PyResult<()> {
         self.set(py, name, Some(value))
     }
 
+    /// Whether there is a value of this name.
+    fn __contains__(&self, name: &Bound<'_, PyAny>) -> bool {
+        name.extract::<String>().is_ok_and(|name| find(self.values_now().table(), &name).is_ok())
+    }
+
+    /// The names of all values.
+    fn keys(&self) -> Vec<String> {
+        let values = self.values_now();
+        values.iter().map(|(owner, id, _)| values.table().label(owner, id)).collect()
+    }
+
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyIterator>> {
+        self.keys().into_pyobject(py)?.try_iter()
+    }
+
     /// Moves a value as a slider does: to the nearest value that its range and the invariants allow while other values
     /// stay. Values that follow from it change too.
     #[pyo3(name = "move")]
     fn move_to(&self, name: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        let mut state = lock(&self.state);
-        let (owner, id) = find(state.values.table(), name)?;
-        let value = numbers(state.values.table().parameter(id), value)?;
-        state.values.move_to(owner, id, value);
+        let (owner, id) = find(self.values_now().table(), name)?;
+        let value = numbers(self.values_now().table().parameter(id), value)?;
+        lock(&self.values).move_to(owner, id, value);
         Ok(())
     }
 
     /// The range of a slider, as invariants and the other values leave it; `None` without limits.
     fn range(&self, name: &str) -> PyResult<Option<(f32, f32)>> {
-        let state = lock(&self.state);
-        let (owner, id) = find(state.values.table(), name)?;
-        Ok(state.values.range_of(owner, id).map(|[low, high]| (low, high)))
+        let values = self.values_now();
+        let (owner, id) = find(values.table(), name)?;
+        Ok(values.range_of(owner, id).map(|[low, high]| (low, high)))
     }
 
     /// The picture: linear RGB, float32, height × width × 3, row by row from the top, not clamped. The first picture
@@ -183,7 +218,7 @@ impl Session {
     /// the session.
     fn image<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<u8>>> {
         let frame = self.frame(py)?;
-        let view = self.view();
+        let view = self.picture.view;
         let bytes = py.detach(|| quantise(&frame.linear, view));
         arrays::bytes(py, bytes, [frame.width, frame.height])
     }
@@ -191,7 +226,7 @@ impl Session {
     /// Writes the picture, whole or not at all: .png or .bmp, or .exr with linear numbers.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let mut frame = self.frame(py)?;
-        let view = self.view();
+        let view = self.picture.view;
         py.detach(|| {
             frame.clean();
             save(&path, &frame, view)
@@ -199,19 +234,30 @@ impl Session {
         .map_err(failure)
     }
 
-    /// Writes the session with all values, as a file that every part of Illuminator opens.
+    /// Writes the session with all values, as a file that every part of Illuminator opens. Its formula and its scene must
+    /// be files, or built in.
     fn save_session(&self, path: PathBuf) -> PyResult<()> {
-        let state = lock(&self.state);
+        for (kind, (location, source)) in [(FileKind::Formula, &self.formula), (FileKind::Scene, &self.scene)] {
+            let there = location.read(kind, Readable::Regular);
+            if there.is_ok_and(|there| there.text() == source.text()) {
+                continue;
+            }
+            let noun = kind.noun();
+            return Err(failure(format!(
+                "the {noun} of this session is a text, and `{location}` does not hold it; write the text to a file, and open \
+                 the session with it"
+            )));
+        }
         let session = SessionFile {
-            formula: state.formula.0.clone(),
-            scene: state.scene.clone(),
-            picture: state.picture,
-            values: SessionFile::name_values(&state.values),
+            formula: self.formula.0.clone(),
+            scene: self.scene.0.clone(),
+            picture: self.picture,
+            values: SessionFile::name_values(&self.values_now()),
         };
-        session.save(&path).map_err(|error| failure(format!("cannot write `{}`: {error}", path.display())))
+        session.save(&path).map_err(|error| failure(format!("cannot write `{}`: {}", path.display(), reason(&error))))
     }
 
-    /// Pictures that differ in one value or two, as the command `sweep` makes them: `sweep("ball.kd=0..1:5")`. The last
+    /// Pictures that differ in some values, as the command `sweep` makes them: `sweep("ball.kd=0..1:5")`. The last
     /// value changes fastest. The values of the session stay as they are.
     #[pyo3(signature = (*vary))]
     fn sweep(&self, py: Python<'_>, vary: Vec<String>) -> PyResult<Sweep> {
@@ -242,16 +288,26 @@ impl Session {
         let py = formula.py();
         let formula = match formula.cast::<Formula>() {
             Ok(formula) => formula.get().clone(),
-            Err(_) => py.get_type::<Formula>().call1((formula,))?.cast::<Formula>().map_err(PyErr::from)?.get().clone(),
+            Err(_) => Formula::of(formula)?,
         };
-        let (state, warnings) = lock(&self.state).with_formula(formula);
-        warnings.iter().try_for_each(|warning| warn(py, warning))?;
-        Ok(state.into())
+        let Formula { location, source, formula } = formula;
+        let (values, warnings) = self.values_now().carry_over(&formula, self.subject.world.scene());
+        let subject = Subject { formula: std::sync::Arc::new(formula), ..self.subject.clone() };
+        let tracing = py.detach(|| lock(&self.tracing).with_subject(subject.clone()));
+        warnings.iter().try_for_each(|warning| warn(py, &warning.to_string()))?;
+        Ok(Session {
+            subject,
+            picture: self.picture,
+            formula: (location, source),
+            scene: self.scene.clone(),
+            values: Mutex::new(values),
+            tracing: Mutex::new(tracing),
+        })
     }
 
     fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let mut frame = self.frame(py)?;
-        let view = self.view();
+        let view = self.picture.view;
         let bytes = py.detach(|| {
             frame.clean();
             file_bytes(&frame, Format::Png, view)
@@ -260,37 +316,40 @@ impl Session {
     }
 
     fn __repr__(&self) -> String {
-        let state = lock(&self.state);
-        let [width, height] = state.picture.size;
-        format!("<Session: {} on {}, {width}×{height}>", state.formula.0, state.scene)
+        let [width, height] = self.picture.size;
+        format!("<Session: {} on {}, {width}×{height}>", self.formula.0, self.scene.0)
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(failure("a session cannot be pickled; open it in each process"))
     }
 }
 
 impl Session {
-    /// How colours become bytes.
-    pub(crate) fn view(&self) -> ViewTransform {
-        lock(&self.state).picture.view
-    }
-
-    /// The picture.
+    /// The picture of the values now.
     fn frame(&self, py: Python<'_>) -> PyResult<Frame> {
-        interruptible(py, |task| lock(&self.state).frame(task))?.map_err(crate::diagnostics::engine_failure)
+        let numbers = vec![self.values_now().numbers().to_vec()];
+        let mut picture = Frame::black(0, 0);
+        let drawn = interruptible(py, |task| lock(&self.tracing).frames(&numbers, task, |frame| picture = frame))?;
+        drawn.map_err(engine_failure)?;
+        Ok(picture)
     }
 
-    /// Sets values. Returns warnings.
-    pub(crate) fn assign(&self, py: Python<'_>, given: &[NamedAssignment]) -> PyResult<Vec<String>> {
-        py.detach(|| {
-            let mut state = lock(&self.state);
+    /// Sets values. There is a warning for each that is not used as given.
+    pub(crate) fn assign(&self, py: Python<'_>, given: &[NamedAssignment]) -> PyResult<()> {
+        let warnings = py.detach(|| {
+            let mut values = lock(&self.values);
             let mut resolved = Vec::new();
             for given in given {
-                resolved.extend(given.resolve(state.values.table()).map_err(failure)?);
+                resolved.extend(given.resolve(values.table()).map_err(failure)?);
             }
-            Ok(state.values.assign(&resolved).iter().map(ToString::to_string).collect())
-        })
+            Ok::<_, PyErr>(values.assign(&resolved))
+        })?;
+        warnings.iter().try_for_each(|warning| warn(py, &warning.to_string()))
     }
 
     /// The values now.
     pub(crate) fn values_now(&self) -> Values {
-        lock(&self.state).values.clone()
+        lock(&self.values).clone()
     }
 }

@@ -1,10 +1,10 @@
 //! Several pictures at once: sweeps. And the hits of all passes as arrays.
 
 use crate::arrays;
-use crate::diagnostics::{engine_failure, failure, warn};
+use crate::diagnostics::{engine_failure, failure, warn_of_several};
 use crate::session::{Session, named_value};
 use crate::work::{interruptible, lock};
-use illuminator::engine::EngineError;
+use illuminator::engine::{EngineError, Task};
 use illuminator::lang::memory_size::MemorySize;
 use illuminator::picture::Frame;
 use illuminator::trace::tables::{ColumnStore, ColumnType, HitColumn, HitTables};
@@ -57,12 +57,16 @@ fn cells(py: Python<'_>, session: &Session, vary: &[String]) -> PyResult<Vec<(Va
     let count = count.filter(|count| *count <= MOST_PICTURES && !varied.is_empty());
     let count =
         count.ok_or_else(|| failure(format!("give one to {MOST_PICTURES} pictures, as in `sweep(\"ball.kd=0..1:5\")`")))?;
-    (0..count)
+    let mut warnings = Vec::new();
+    let cells = (0..count)
         .map(|index| {
-            let (values, names) = cell(py, &base, &varied, index)?;
+            let (values, names, found) = cell(py, &base, &varied, index)?;
+            warnings.extend(found);
             Ok((values, names.unbind()))
         })
-        .collect()
+        .collect::<PyResult<_>>()?;
+    warn_of_several(py, &warnings)?;
+    Ok(cells)
 }
 
 /// The varied values of all pictures of a sweep, see [`Session`].
@@ -75,11 +79,11 @@ pub(crate) fn sweep(py: Python<'_>, session: &Session, vary: &[String]) -> PyRes
     let (cells, values): (Vec<Values>, Vec<Py<PyDict>>) = cells(py, session, vary)?.into_iter().unzip();
     let all: Vec<Vec<f32>> = cells.iter().map(|values| values.numbers().to_vec()).collect();
     let count = all.len();
-    let (size, length) = room(session, count)?;
+    let (size, length) = room(py, session, count)?;
     let numbers = interruptible(py, |task| -> Result<Vec<f32>, EngineError> {
         let mut pictures = Vec::with_capacity(length);
-        let add = |frame: &Frame| pictures.extend_from_slice(frame.linear.as_flattened());
-        lock(&session.state).frames_of(&all, task, add)?;
+        let add = |frame: Frame| pictures.extend_from_slice(frame.linear.as_flattened());
+        lock(&session.tracing).frames(&all, task, add)?;
         Ok(pictures)
     })?
     .map_err(engine_failure)?;
@@ -89,11 +93,11 @@ pub(crate) fn sweep(py: Python<'_>, session: &Session, vary: &[String]) -> PyRes
 }
 
 /// The size of the pictures, and how many numbers this many have, if there is memory for them.
-fn room(session: &Session, count: usize) -> PyResult<([u32; 2], usize)> {
-    let state = lock(&session.state);
-    let [width, height] = state.picture.size;
+fn room(py: Python<'_>, session: &Session, count: usize) -> PyResult<([u32; 2], usize)> {
+    let [width, height] = session.picture.size;
+    let memory = py.detach(|| lock(&session.tracing).memory());
     let numbers = count as u64 * u64::from(width) * u64::from(height) * 3;
-    let (needed, allowed) = (numbers * size_of::<f32>() as u64, state.memory());
+    let (needed, allowed) = (numbers * size_of::<f32>() as u64, memory);
     match usize::try_from(numbers) {
         Ok(length) if needed <= allowed => Ok(([width, height], length)),
         Ok(_) | Err(_) => {
@@ -103,8 +107,13 @@ fn room(session: &Session, count: usize) -> PyResult<([u32; 2], usize)> {
     }
 }
 
-/// The values of a picture, and the varied ones by name. The last variation changes fastest.
-fn cell<'py>(py: Python<'py>, base: &Values, varied: &[VariedValues], index: usize) -> PyResult<(Values, Bound<'py, PyDict>)> {
+/// The values of a picture, the varied ones by name, and warnings. The last variation changes fastest.
+fn cell<'py>(
+    py: Python<'py>,
+    base: &Values,
+    varied: &[VariedValues],
+    index: usize,
+) -> PyResult<(Values, Bound<'py, PyDict>, Vec<String>)> {
     let mut rest = index;
     let mut steps = vec![0; varied.len()];
     for (step, varied) in steps.iter_mut().zip(varied).rev() {
@@ -116,16 +125,14 @@ fn cell<'py>(py: Python<'py>, base: &Values, varied: &[VariedValues], index: usi
         varied.assign(*step, base, &mut assignments);
     }
     let mut values = base.clone();
-    for warning in values.assign(&assignments) {
-        warn(py, &warning.to_string())?;
-    }
+    let warnings = values.assign(&assignments).iter().map(ToString::to_string).collect();
     let names = PyDict::new(py);
     for assignment in &assignments {
         let (owner, id) = (assignment.owner, assignment.parameter);
         let table = values.table();
         names.set_item(table.label(owner, id), named_value(py, table.parameter(id), values.get(owner, id))?)?;
     }
-    Ok((values, names))
+    Ok((values, names, warnings))
 }
 
 /// A column in memory.
@@ -152,28 +159,7 @@ impl ColumnStore for Numbers {
 
 /// The hits of all passes as arrays by name, see [`Session`].
 pub(crate) fn hits<'py>(py: Python<'py>, session: &Session) -> PyResult<Bound<'py, PyDict>> {
-    let tables = interruptible(py, |task| -> Result<Result<HitTables<Numbers>, io::Error>, EngineError> {
-        let mut state = lock(&session.state);
-        let made = HitTables::new(&mut |_, column: &HitColumn| {
-            Ok(match column.ty {
-                ColumnType::U32 => Numbers::Whole(Vec::new()),
-                ColumnType::F32 => Numbers::Real(Vec::new()),
-            })
-        });
-        let mut tables = match made {
-            Ok(tables) => tables,
-            Err(error) => return Ok(Err(error)),
-        };
-        for pass in 0..state.picture.passes() {
-            let hits = state.traced(pass, task)?;
-            if let Err(error) = tables.add_pass(&hits) {
-                return Ok(Err(error));
-            }
-        }
-        Ok(Ok(tables))
-    })?
-    .map_err(engine_failure)?
-    .map_err(failure)?;
+    let tables = interruptible(py, |task| filled(session, task))??;
     let all = PyDict::new(py);
     for table in tables.tables() {
         for (column, numbers) in table.columns {
@@ -185,4 +171,27 @@ pub(crate) fn hits<'py>(py: Python<'py>, session: &Session) -> PyResult<Bound<'p
         }
     }
     Ok(all)
+}
+
+/// The tables of the hits of all passes.
+fn filled(session: &Session, task: &Task) -> PyResult<HitTables<Numbers>> {
+    let mut tracing = lock(&session.tracing);
+    let mut tables = HitTables::new(&mut |_, column: &HitColumn| {
+        Ok(match column.ty {
+            ColumnType::U32 => Numbers::Whole(Vec::new()),
+            ColumnType::F32 => Numbers::Real(Vec::new()),
+        })
+    })
+    .map_err(failure)?;
+    let allowed = tracing.memory();
+    for pass in 0..session.picture.passes() {
+        let hits = tracing.traced(pass, task).map_err(engine_failure)?;
+        let needed = tables.bytes_with(&hits.counts());
+        if needed > allowed {
+            let (needed, allowed) = (MemorySize(needed), MemorySize(allowed));
+            return Err(failure(format!("the hits take {needed} of memory, and {allowed} may be used; `memory=` allows more")));
+        }
+        tables.add_pass(&hits, task.cancelled).map_err(failure)?;
+    }
+    Ok(tables)
 }

@@ -109,7 +109,10 @@ def test_names_that_do_not_exist_are_explained(studio, name, message):
     ("ball.kd", [1, 2, 3], "scalar"),
     ("ball.Cd", 0.5, "vector"),
     ("ball.kd", "much", "not a value"),
-    ("ball.kd", None, "one name and its value|OWNER.PARAMETER"),
+    ("ball.kd", None, "give `ball.kd` a value"),
+    ("ball.kd", b"0.5", "cannot be bytes"),
+    ("ball.kd", 1e300, "too large"),
+    ("ball.kd", float("nan"), "not a value"),
     ("ball.kd=0.5", 0.5, "has a `=`"),
     ("ball.kd", {}, "a number, three numbers, or a text"),
 ])
@@ -121,7 +124,12 @@ def test_values_that_do_not_fit_are_explained(studio, name, value, message):
 
 
 @pytest.mark.parametrize("settings, message", [
-    ({"size": (0, 10)}, "0"),
+    ({"size": (0, 10)}, "`size` is .0, 10."),
+    ({"size": (-1, 10)}, "width and height"),
+    ({"memory": "much"}, "`memory` is 'much'"),
+    ({"background": [1, 2]}, "`background`"),
+    ({"set": ["ball.kd"]}, "names with values"),
+    ({"formula": illuminator.Scene("preset:studio")}, "is no Formula"),
     ({"samples": 0}, "samples"),
     ({"threads": 0}, "threads"),
     ({"threads": 1000000}, "threads"),
@@ -229,3 +237,75 @@ def test_other_threads_run_meanwhile():
     thread.join()
     during = [at for at in ticks if start < at < end]
     assert end - start < 0.02 or len(during) >= 2
+
+
+def test_sessions_are_mappings_of_values(studio):
+    assert "ball.kd" in studio and "ball.kdd" not in studio and 3 not in studio
+    assert list(studio) == studio.keys() == list(studio.values)
+    assert dict((name, studio[name]) for name in studio)["ball.kd"] == studio["ball.kd"]
+
+
+def test_sliders_take_finite_numbers(studio):
+    for value in [float("nan"), float("inf")]:
+        with pytest.raises(illuminator.IlluminatorError, match="finite"):
+            studio.move("ball.kd", value)
+
+    class Half:
+        """A number whose value depends on the session."""
+
+        def __float__(self):
+            return studio["ball.ks"] / 2
+
+    studio["ball.ks"] = 0.25
+    studio.move("ball.kd", Half())
+    assert studio["ball.kd"] == 0.125
+
+
+def test_values_are_read_while_a_picture_is_made():
+    session = illuminator.Session("preset:default", size=(960, 540), samples=16)
+    worker = threading.Thread(target=session.render)
+    worker.start()
+    time.sleep(0.05)
+    start = time.monotonic()
+    reads = 0
+    while worker.is_alive():
+        assert session.size == (960, 540) and "ka" in session.values and session.range("ka")
+        reads += 1
+    assert reads > 10 or time.monotonic() - start < 0.2
+    worker.join()
+
+
+def test_texts_without_a_file_are_not_saved(tmp_path):
+    for name in ["mine.formula", "preset:phong"]:
+        formula = illuminator.Formula.parse("formula;\n= Cd;", name=name)
+        session = illuminator.Session("preset:studio", formula=formula)
+        with pytest.raises(illuminator.IlluminatorError, match="does not hold it"):
+            session.save_session(tmp_path / "mine.toml")
+    with pytest.raises(illuminator.IlluminatorError, match="cannot write"):
+        illuminator.Session("preset:studio").save_session(tmp_path / "nowhere/mine.toml")
+
+
+def test_hits_keep_to_the_memory():
+    with pytest.raises(illuminator.IlluminatorError, match="the hits take"):
+        illuminator.Session("preset:studio", size=(320, 240), samples=8, memory=60e6).hits()
+
+
+def test_a_sweep_warns_of_a_few_values(studio):
+    with pytest.warns(illuminator.IlluminatorWarning) as found:
+        studio.variations("ball.kd=2..3:60")
+    assert len(found) == 6 and "more values are not used" in str(found[-1].message)
+
+
+@pytest.mark.skipif(not hasattr(__import__("os"), "fork"), reason="there is no fork")
+def test_forked_processes_are_told_to_spawn(studio):
+    import os
+
+    studio.render()
+    child = os.fork()
+    if child == 0:
+        try:
+            studio.render()
+        except illuminator.IlluminatorError as error:
+            os._exit(7 if "spawn" in str(error) else 1)
+        os._exit(2)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7

@@ -48,6 +48,18 @@ def test_arguments_that_do_not_fit_are_explained(given, message):
         formula(**given)
 
 
+def test_arguments_may_be_any_arrays_colours_and_lengths():
+    formula = illuminator.Formula("preset:phong")
+    plain = formula(L=[0.6, 0, 0.8], V=[0, 0, 1], Cd=[1, 0, 0])
+    assert np.allclose(formula(L=[3, 0, 4], V=[0, 0, 0.1], Cd="#ff0000"), plain, rtol=1e-6)
+    unaligned = np.frombuffer(b"x" + np.float32([0.6, 0, 0.8]).tobytes(), np.float32, offset=1)
+    assert np.array_equal(formula(L=unaligned, V=[0, 0, 1], Cd=[1, 0, 0]), plain)
+    with pytest.raises(illuminator.IlluminatorError, match="None"):
+        formula(L=[0, 0, 1], V=[0, 0, 1], kd=None)
+    with pytest.raises(illuminator.IlluminatorError, match="#rrggbb"):
+        formula(L=[0, 0, 1], V=[0, 0, 1], Cd="red")
+
+
 def test_arrays_of_different_shapes_are_an_error():
     with pytest.raises(ValueError):
         illuminator.Formula("preset:phong")(L=np.ones((3, 3)), V=np.ones((4, 3)))
@@ -107,6 +119,11 @@ def test_formulas_are_exported():
 
 
 def test_formulas_and_scenes_go_to_other_processes():
+    with pytest.raises(illuminator.TextError) as raised:
+        illuminator.Formula.parse("formula; = Cb;")
+    error = pickle.loads(pickle.dumps(raised.value))
+    assert isinstance(error, illuminator.TextError) and error.diagnostics[0].column == raised.value.column == 12
+    assert [str(found) for found in error.diagnostics] == [str(found) for found in raised.value.diagnostics]
     for text in [illuminator.Formula("preset:phong"), illuminator.Scene("preset:studio")]:
         again = pickle.loads(pickle.dumps(text))
         assert (again.text, again.name) == (text.text, text.name)

@@ -29,6 +29,7 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// The file that gives names, types and counts of the columns.
 const INDEX: &str = "index.json";
@@ -54,7 +55,7 @@ pub(super) fn dump(input: &Project, machine: &MachineOptions, folder: &Path) -> 
                 Some(tables) => tables,
                 None => written.insert(tables(folder).map_err(failed)?),
             };
-            tables.add_pass(&hits).map_err(failed)?;
+            tables.add_pass(&hits, &AtomicBool::new(false)).map_err(failed)?;
         }
         written.map_or(Ok(()), |tables| finish(tables, &input.subject, passes, folder)).map_err(failed)
     })?

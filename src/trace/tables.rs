@@ -13,13 +13,14 @@ use crate::lang::variables::{Rate, Variable};
 use crate::sampling::SampleKey;
 use crate::trace::lookup::variable;
 use crate::trace::replay::{replay, replay_misses};
-use crate::trace::store::{Hits, Tile};
+use crate::trace::store::{Counts, Hits, Tile};
 use crate::trace::tracer::{NodeLight, Tracer};
 use crate::trace::variables::{CoordinatesUse, HitVariables, LightVariables};
 use crate::trace::walk::Edge;
 use crate::world::SurfaceHit;
 use std::collections::{BTreeMap, HashMap};
 use std::io;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Stands for "none": no path before (the camera), no body (the ray left the scene).
 pub const NONE: u32 = u32::MAX;
@@ -195,13 +196,26 @@ impl<C: ColumnStore> HitTables<C> {
         [self.hits, self.records, self.misses, self.paths]
     }
 
+    /// The bytes of all numbers if a pass with these counts is added. Those of paths, which are few, are left out.
+    pub fn bytes_with(&self, counts: &Counts) -> u64 {
+        let tables = [(&self.hits, counts.hits), (&self.records, counts.records), (&self.misses, counts.misses)];
+        let bytes = |(table, more): (&HitTable<C>, u64)| {
+            let row = table.columns.iter().map(|(column, _)| column.components as u64).sum::<u64>() * size_of::<f32>() as u64;
+            (u64::from(table.count) + more) * row
+        };
+        tables.into_iter().map(bytes).sum()
+    }
+
     /// Adds the hits of a pass.
     ///
     /// # Errors
-    /// Numbers cannot be stored, or there are too many rows.
-    pub fn add_pass(&mut self, hits: &Hits) -> io::Result<()> {
+    /// Numbers cannot be stored, there are too many rows, or the work was cancelled.
+    pub fn add_pass(&mut self, hits: &Hits, cancelled: &AtomicBool) -> io::Result<()> {
         let tracer = Tracer::new(&hits.world, &hits.view);
-        hits.tiles.iter().try_for_each(|tile| self.tile(&tracer, tile))
+        hits.tiles.iter().try_for_each(|tile| match cancelled.load(Ordering::Relaxed) {
+            true => Err(io::Error::other("it was cancelled")),
+            false => self.tile(&tracer, tile),
+        })
     }
 
     fn tile(&mut self, tracer: &Tracer, tile: &Tile) -> io::Result<()> {

@@ -8,8 +8,9 @@ use illuminator::lang::types::Type;
 use illuminator::texture;
 use illuminator::workspace::assignment::{AssignmentTarget, WrittenValue};
 use illuminator::workspace::{NamedAssignment, OwnerId, ParameterTable};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyString};
+use pyo3::types::{PyBool, PyByteArray, PyBytes, PyString};
 
 /// A value by name. The value is a number, a truth, three numbers, or a text as `--set` takes it.
 pub(crate) fn assignment(name: &str, value: &Bound<'_, PyAny>) -> PyResult<NamedAssignment> {
@@ -17,8 +18,11 @@ pub(crate) fn assignment(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Named
         text.to_string()
     } else if let Ok(truth) = value.cast::<PyBool>() {
         u8::from(truth.is_true()).to_string()
+    } else if value.is_instance_of::<PyBytes>() || value.is_instance_of::<PyByteArray>() {
+        return Err(failure(format!("`{name}` cannot be bytes; a value is a number, three numbers, or a text")));
     } else if let Ok(number) = value.extract::<f64>() {
-        number.to_string()
+        // Large and small numbers with an exponent.
+        if number != 0.0 && !(1e-5..1e15).contains(&number.abs()) { format!("{number:e}") } else { number.to_string() }
     } else if let Ok([x, y, z]) = value.extract::<[f64; 3]>() {
         format!("<{x}, {y}, {z}>")
     } else {
@@ -34,8 +38,8 @@ pub(crate) fn assignment(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Named
 /// The owner and the parameter of this name, for instance `ball.kd`.
 pub(crate) fn find(table: &ParameterTable, name: &str) -> PyResult<(OwnerId, ParameterId)> {
     let (owner, parameter) = match name.split_once('.') {
-        Some((owner, parameter)) => (Some(owner), parameter),
-        None => (None, name),
+        Some((owner, parameter)) => (Some(owner.trim()), parameter.trim()),
+        None => (None, name.trim()),
     };
     let found_owner = match owner {
         None => Some(OwnerId::Global),
@@ -69,10 +73,14 @@ pub(crate) fn numbers(parameter: &Parameter, value: &Bound<'_, PyAny>) -> PyResu
         Type::Scalar | Type::Truth => value.extract().map(|number: f32| [number; 3]),
         Type::Texture => return Err(failure(format!("`{name}` is a texture, which no slider moves; use `set`"))),
     };
-    given.map_err(|_| {
-        let wanted = if parameter.ty == Type::Vector { "three numbers" } else { "a number" };
-        failure(format!("`{name}` is moved to {wanted}"))
-    })
+    let wanted = if parameter.ty == Type::Vector { "three numbers" } else { "a number" };
+    match given {
+        Ok(numbers) if numbers.iter().all(|number| number.is_finite()) => Ok(numbers),
+        Ok(_) => Err(failure(format!("`{name}` is moved to {wanted}, which must be finite"))),
+        // What the value itself raises stays as it is.
+        Err(error) if !error.is_instance_of::<PyTypeError>(value.py()) => Err(error),
+        Err(_) => Err(failure(format!("`{name}` is moved to {wanted}"))),
+    }
 }
 
 /// A parameter's value in Python: a number, a truth for a switch, the name of a choice, an array of three, or the path

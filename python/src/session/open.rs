@@ -31,6 +31,7 @@ pub(super) struct Given {
     pub(super) background: Option<[f32; 3]>,
     pub(super) set: Vec<NamedAssignment>,
     pub(super) materials: Vec<MaterialAssignment>,
+    pub(super) threads: Option<usize>,
     /// In bytes.
     pub(super) memory: Option<u64>,
 }
@@ -64,7 +65,10 @@ pub(super) fn location<T: Text>(given: &Bound<'_, PyAny>) -> PyResult<Place> {
     match given.cast::<T>() {
         Ok(text) => Ok(text.get().place()),
         Err(_) => {
-            let path = given.extract::<PathBuf>()?;
+            let path = given.extract::<PathBuf>().map_err(|_| {
+                let shown = given.repr().map_or_else(|_| "that".to_owned(), |text| text.to_string());
+                failure(format!("{shown} is no {0}; give a path, `preset:NAME`, or a {0}", T::CLASS))
+            })?;
             match path.to_str().and_then(kind_of) {
                 Some(kind) => Err(failure(format!("that is the text of a {}; use `{}.parse(text)`", kind.noun(), T::CLASS))),
                 None => Ok((Location::new(path), None)),
@@ -73,8 +77,8 @@ pub(super) fn location<T: Text>(given: &Bound<'_, PyAny>) -> PyResult<Place> {
     }
 }
 
-/// Opens the session. There is a warning of Python for everything that is accepted and probably not meant.
-pub(super) fn open(py: Python<'_>, given: Given) -> PyResult<Project> {
+/// Opens the session. Returns the values that are to be set in it. There is a warning of Python for everything that is accepted and probably not meant.
+pub(super) fn open(py: Python<'_>, given: Given) -> PyResult<(Project, Vec<NamedAssignment>)> {
     let session = match (&given.session, &given.formula, &given.scene) {
         (None, Some(_), Some(_)) => None,
         (None, ..) => Some(Location::Preset(DEFAULT_SESSION.to_owned())),
@@ -102,7 +106,6 @@ pub(super) fn open(py: Python<'_>, given: Given) -> PyResult<Project> {
             scene: location(&given.scene),
             texts: Some(&texts),
             materials: &given.materials,
-            set: &given.set,
             picture: Some(&change),
             background: given.background,
             memory: given.memory,
@@ -111,5 +114,5 @@ pub(super) fn open(py: Python<'_>, given: Given) -> PyResult<Project> {
         };
         Project::open(&request, &mut found)
     })?;
-    found.settle(py, outcome)
+    Ok((found.settle(py, outcome)?, given.set))
 }
