@@ -11,8 +11,11 @@ mod record;
 mod slurm;
 
 use crate::cli::options::{read, whole};
+use crate::cli::report::{Failure, warn};
 use clap::Args;
 use illuminator::files::UNFINISHED_PREFIX;
+use illuminator::lang::diagnostic::Diagnostic;
+use illuminator::picture::is_complete;
 pub(super) use job::{JobKind, JobPlan, Measured, write_job};
 pub(super) use part::{MOST_PARTS, WorkPart};
 pub(super) use record::PartsRecord;
@@ -49,4 +52,25 @@ pub(super) fn remove_unfinished(folder: &Path) {
     let left = entries.flatten().filter(|entry| entry.file_name().to_string_lossy().starts_with(UNFINISHED_PREFIX));
     // What cannot be removed does no harm.
     left.for_each(|entry| drop(fs::remove_file(entry.path())));
+}
+
+/// Whether a picture of this size is there, and complete. A damaged one is made again.
+pub(super) fn is_there(path: &Path, size: [u32; 2]) -> bool {
+    is_complete(path, size).unwrap_or_else(|error| {
+        warn(format!("`{}` is made again: {error}", path.display()));
+        false
+    })
+}
+
+/// The error that nothing was made that could be merged.
+pub(super) fn no_parts(folder: &Path) -> Failure {
+    let shown = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let error = Diagnostic::error(format!("there are no parts in `{}`", shown.display()));
+    Failure::Input(error.help("`--part I/N` makes part I of N, with the same command line otherwise"))
+}
+
+/// The error that parts have no names.
+pub(super) fn not_to_standard_output() -> Failure {
+    let error = Diagnostic::error("parts are written to files, not to standard output");
+    Failure::CommandLine(error.help("give `-o` the name of a file"))
 }

@@ -153,7 +153,8 @@ pub(super) fn count(diagnostics: &Diagnostics) -> [usize; 2] {
 
 /// A number of things: "1 error", "2 errors".
 pub(super) fn number(count: usize, what: &str) -> String {
-    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+    let plural = if what.ends_with('s') { "es" } else { "s" };
+    format!("{count} {what}{}", if count == 1 { "" } else { plural })
 }
 
 /// Writes a result to standard output. It is not a failure if the reader has closed the pipe.

@@ -28,6 +28,7 @@ use illuminator::workspace::{Location, Variation, VariedValues};
 use serde::Serialize;
 use sheet::Sheet;
 use std::collections::BTreeMap;
+use std::fs;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use target::SweepTarget;
@@ -141,6 +142,10 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         seconds: Vec::new(),
     };
     let all: Vec<usize> = (0..cells.cells.len()).collect();
+    if let SweepTarget::Numbered(pattern) = &output.target {
+        // It would say that these pictures are parts of something else. If there is none, there is nothing to remove.
+        let _ = fs::remove_file(pattern.record());
+    }
     engine::on_threads(&options.input.machine, || make(options, &mut output, &all))??;
     output.findings.say(&cells.cells);
     output.finish()?;

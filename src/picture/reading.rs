@@ -4,7 +4,7 @@ use crate::files::{OpenError, Readable, open, reason};
 use crate::picture::{Bitmap, Format, Frame};
 use image::{DynamicImage, ImageDecoder, ImageReader};
 use std::fs::{File, Metadata};
-use std::io::{BufReader, ErrorKind, Read, Seek, SeekFrom};
+use std::io::{BufReader, ErrorKind};
 use std::path::Path;
 use thiserror::Error;
 
@@ -40,47 +40,16 @@ pub fn read_linear(path: &Path, size: [u32; 2]) -> Result<Frame, ReadPictureErro
     Ok(Frame { width: size[0], height: size[1], linear: colours.to_vec() })
 }
 
-/// Whether there is a complete picture of this width and height. A file that is cut off is not. The pixels of PNG and
-/// BMP are not decoded: this program replaces files whole, so what can happen to them is that a disk loses their end.
+/// Whether there is a complete picture of this width and height. It is decoded: a file can be damaged anywhere.
 ///
 /// # Errors
 /// There is a file that is no complete picture.
 pub fn is_complete(path: &Path, size: [u32; 2]) -> Result<bool, ReadPictureError> {
-    let outcome = match Format::of(path) {
-        Some(Format::Png) => ends_with(path, size, &PNG_END),
-        Some(Format::Bmp) => has_told_length(path, size),
-        Some(Format::Exr) | None => decode(path, size).map(|_| ()),
-    };
-    match outcome {
-        Ok(()) => Ok(true),
+    match decode(path, size) {
+        Ok(_) => Ok(true),
         Err(ReadPictureError::Missing) => Ok(false),
         Err(error) => Err(error),
     }
-}
-
-/// The last chunk of a PNG file, which is empty: its length, its name and its checksum.
-const PNG_END: [u8; 12] = *b"\0\0\0\0IEND\xae\x42\x60\x82";
-
-/// Checks that a file has the header of a picture of this size, and ends with these bytes.
-fn ends_with(path: &Path, size: [u32; 2], end: &[u8]) -> Result<(), ReadPictureError> {
-    decoder(path, size)?;
-    let (mut file, _) = opened(path)?;
-    let mut last = Vec::new();
-    let read = file.seek(SeekFrom::End(-(end.len() as i64))).and_then(|_| file.read_to_end(&mut last));
-    if read.is_ok() && last == end { Ok(()) } else { Err(cut_off()) }
-}
-
-/// Checks that a file has the header of a BMP picture of this size, and is as long as the header says.
-fn has_told_length(path: &Path, size: [u32; 2]) -> Result<(), ReadPictureError> {
-    decoder(path, size)?;
-    let (mut file, metadata) = opened(path)?;
-    let mut start = [0; 6];
-    let told = file.read_exact(&mut start).map(|()| u32::from_le_bytes([start[2], start[3], start[4], start[5]]));
-    if told.is_ok_and(|told| u64::from(told) == metadata.len()) { Ok(()) } else { Err(cut_off()) }
-}
-
-fn cut_off() -> ReadPictureError {
-    ReadPictureError::Unreadable("it is damaged: its end is missing".to_owned())
 }
 
 fn opened(path: &Path) -> Result<(File, Metadata), ReadPictureError> {

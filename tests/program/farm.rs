@@ -78,8 +78,8 @@ fn parts_of_something_else_are_not_taken() {
     done(folder.path(), &format!("{SWEEP} -o sheet.png --part 1/2"));
     for (options, reason) in [
         ("sweep session.toml --vary ball.kd=0.1..0.6:8", "other values are varied"),
-        ("sweep session.toml --vary ball.kd=0.1..0.6:7 --size 30x20", "the settings have changed"),
-        ("sweep session.toml --vary ball.kd=0.1..0.6:7 --exposure 1", "the settings have changed"),
+        ("sweep session.toml --vary ball.kd=0.1..0.6:7 --size 30x20", "the size: [30, 20] here, [32, 24] there"),
+        ("sweep session.toml --vary ball.kd=0.1..0.6:7 --exposure 1", "how colours become bytes: "),
         ("sweep session.toml --vary ball.kd=0.1..0.6:7 --set ball.h=3", "the values have changed"),
         ("sweep session.toml --vary ball.kd=0.1..0.6:7 -f preset:lambert", "the formula has changed"),
     ] {
@@ -89,6 +89,16 @@ fn parts_of_something_else_are_not_taken() {
     let scene = fs::read_to_string(folder.path().join("sub/place.txt")).expect("a scene").replace("radius 1;", "radius 0.9;");
     write(&folder, "sub/place.txt", &scene);
     assert!(other(SWEEP).0.contains("the scene has changed"));
+    write(&folder, "sheet-parts/parts.json", "{");
+    let (message, _) = failed(folder.path(), &format!("{SWEEP} -o sheet.png --merge"));
+    assert!(message.contains("cannot read `sheet-parts/parts.json`") && message.contains("remove"), "{message}");
+    // Numbered pictures that are no parts of a job are not taken for its own, and parts are not left behind as such.
+    done(folder.path(), &format!("{SWEEP} -o frame-%d.png"));
+    let (message, status) = failed(folder.path(), &format!("{SWEEP} -o frame-%d.png --set ball.h=3 --part 1/1"));
+    assert!(status == 1 && message.contains("`frame-1.png` is there, and no part of this job"), "{message}");
+    done(folder.path(), &format!("{SWEEP} -o part-%d.png --part 1/1"));
+    done(folder.path(), &format!("{SWEEP} -o part-%d.png --set ball.h=3"));
+    assert!(failed(folder.path(), &format!("{SWEEP} -o part-%d.png --part 1/1")).0.contains("no part of this job"));
     let (message, status) = failed(folder.path(), &format!("{SWEEP} -o another.png --merge"));
     assert!(status == 1 && message.contains("there are no parts in `another-parts`"), "{message}");
 }
@@ -115,7 +125,7 @@ fn passes_in_parts_are_the_picture_of_all_passes() {
     // How colours become bytes is a matter of the last step.
     done(folder, "render session.toml --samples 11 --exposure 1 -o out.png --merge");
     let (message, _) = failed(folder, "render session.toml --samples 12 -o out.png --merge");
-    assert!(message.contains("the settings have changed"), "{message}");
+    assert!(message.contains("the number of passes: 12 here, 11 there"), "{message}");
 }
 
 #[test]
@@ -129,12 +139,16 @@ fn jobs_say_what_the_command_line_says() {
     let arguments = &template["steps"][0]["script"]["actions"]["onRun"]["args"];
     let arguments: Vec<&str> = arguments.as_array().expect("a list").iter().filter_map(Value::as_str).collect();
     let own = "sweep session.toml --vary ball.kd=0.1..0.6:7 -o sheet.png --set ball.Cd=<1,0,0>";
-    assert_eq!(arguments[3..].join(" "), format!("{own} --part {{{{Task.Param.Part}}}}/3"));
+    assert_eq!(arguments[5..].join(" "), format!("{own} --part {{{{Task.Param.Part}}}}/3"));
     // There are no more parts than pictures.
     assert!(done(folder, &format!("{SWEEP} -o sheet.png --job slurm --parts 50")).contains("in 7 parts"));
     let script = fs::read_to_string(at("sheet.slurm.sh")).expect("a job");
     assert!(script.contains("--array=1-7 "), "{script}");
     assert!(done(folder, &format!("{SWEEP} -o sheet.png --job slurm --job-file -")).starts_with("#!/bin/bash\n"));
+    let said = done(folder, &format!("{SWEEP} -o sheet.png --job openjd --job-file sub/job.json"));
+    assert!(said.contains("openjd run sub/job.json -p Folder="), "{said}");
+    let (message, status) = failed(folder, &format!("{SWEEP} -o sheet.png --job slurm --job-file session.toml"));
+    assert!(status == 2 && message.contains("would overwrite `session.toml`"), "{message}");
     let said = done(folder, "render session.toml --samples 64 -o out.png --job openjd --job-file job.json --parts 4");
     assert!(said.contains("64 passes in 4 parts") && at("job.json").exists(), "{said}");
 }
@@ -152,7 +166,7 @@ fn what_does_not_go_together_is_explained() {
         (format!("{SWEEP} -o sheet.png --job openjd --job-file nowhere/job.json"), "the folder `nowhere` does not exist"),
         (format!("{SWEEP} -o {{{{x}}}}.png --job openjd"), "which job templates cannot hold"),
         ("render session.toml -o out.png --job openjd".to_owned(), "a picture of one pass has no parts"),
-        ("render session.toml -o out.png --merge".to_owned(), "there are no parts in `out-parts`"),
+        ("render session.toml -o out.png --merge".to_owned(), "there are no parts in `out-passes`"),
     ] {
         let (message, status) = failed(folder.path(), &arguments);
         assert!(message.contains(reason) && status > 0, "{arguments}: {message}");

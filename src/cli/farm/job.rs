@@ -2,8 +2,8 @@
 
 use crate::cli::farm::description::JobDescription;
 use crate::cli::farm::{FarmOptions, openjd, slurm};
-use crate::cli::output::check_folder;
-use crate::cli::report::{Failure, print, print_bytes};
+use crate::cli::output::{check_distinct, check_folder};
+use crate::cli::report::{Failure, number, print, print_bytes};
 use clap::ValueEnum;
 use illuminator::files::{reason, replace_text};
 use illuminator::lang::diagnostic::Diagnostic;
@@ -36,9 +36,11 @@ impl JobKind {
     }
 
     /// How the job is started.
-    fn start(self, file: &str) -> String {
+    fn start(self, file: &str, job: &JobDescription) -> String {
+        let file = plain_or_quoted(file);
         match self {
-            JobKind::Openjd => format!("openjd run {file}"),
+            JobKind::Openjd if job.is_beside => format!("openjd run {file}"),
+            JobKind::Openjd => format!("openjd run {file} -p {}", plain_or_quoted(&format!("Folder={}", job.folder))),
             JobKind::Slurm => format!("bash {file}"),
         }
     }
@@ -50,7 +52,7 @@ pub(in crate::cli) struct JobPlan<'j> {
     pub(in crate::cli) output: &'j Path,
     /// How many things are shared out among the parts: pictures, or passes.
     pub(in crate::cli) count: u32,
-    /// What they are called.
+    /// What one of them is called.
     pub(in crate::cli) noun: &'static str,
     /// How long they take here.
     pub(in crate::cli) measured: Measured,
@@ -82,12 +84,12 @@ impl JobPlan<'_> {
 ///
 /// # Errors
 /// The job cannot say what the command line says, or it cannot be written.
-pub(in crate::cli) fn write_job(options: &FarmOptions, kind: JobKind, plan: &JobPlan) -> Result<(), Failure> {
+pub(in crate::cli) fn write_job(options: &FarmOptions, kind: JobKind, plan: &JobPlan, inputs: &[PathBuf]) -> Result<(), Failure> {
     let failed = |what: &str, error: std::io::Error| Failure::input(format!("{what}: {}", reason(&error)));
     let here = std::env::current_dir().map_err(|error| failed("cannot find the current folder", error))?;
     let program = std::env::current_exe().map_err(|error| failed("cannot find this program", error))?;
-    let default = || PathBuf::from(plan.output.with_extension(kind.suffix()).file_name().unwrap_or_default());
-    let file = options.job_file.clone().unwrap_or_else(default);
+    let file = options.job_file.clone().unwrap_or_else(|| default_file(plan.output, kind));
+    check_distinct(&file, inputs)?;
     let parent = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let parts = options.parts.unwrap_or_else(|| plan.parts()).min(plan.count);
     let job = JobDescription {
@@ -108,16 +110,35 @@ pub(in crate::cli) fn write_job(options: &FarmOptions, kind: JobKind, plan: &Job
     let again = f64::from(parts) * once.as_secs_f64();
     let all = again + f64::from(*count) * each.as_secs_f64();
     print(&format!(
-        "{}: {count} {noun} in {parts} {}. On this machine a part begins with {:.2} s of reading and tracing, and one of \
-         the {noun} takes {:.3} s, so the parts take {all:.1} s in all, {:.0} % of it for tracing again.\nStart it with \
-         `{}`.\n",
+        "{}: {} in {}. On this machine a part begins with {:.2} s of reading and tracing, and a {noun} takes {:.3} s. \
+         The parts take {all:.1} s in all, {:.0} % of it for tracing again.\nStart it with `{}`.\n",
         one_line(&file.display().to_string()),
-        if parts == 1 { "part" } else { "parts" },
+        number(*count as usize, noun),
+        number(parts as usize, "part"),
         once.as_secs_f64(),
         each.as_secs_f64(),
         100.0 * (again - once.as_secs_f64()) / all.max(1e-9),
-        kind.start(&one_line(&file.display().to_string())),
+        kind.start(&one_line(&file.display().to_string()), &job),
     ))
+}
+
+/// The file of a job for this output: its name without the place for a number.
+fn default_file(output: &Path, kind: JobKind) -> PathBuf {
+    let stem = output.file_stem().unwrap_or_default().to_string_lossy();
+    let plain: String = match stem.split_once('%') {
+        Some((before, behind)) => {
+            before.to_owned() + behind.trim_start_matches(|c: char| c.is_ascii_digit()).trim_start_matches('d')
+        }
+        None => stem.into_owned(),
+    };
+    let name = plain.trim_end_matches(['-', '_', '.']);
+    PathBuf::from(format!("{}.{}", if name.is_empty() { "pictures" } else { name }, kind.suffix()))
+}
+
+/// A word as a shell reads it, in quotation marks if it needs them.
+fn plain_or_quoted(word: &str) -> String {
+    let is_plain = word.chars().all(|c| c.is_ascii_alphanumeric() || "._-/=+:,".contains(c));
+    if is_plain { word.to_owned() } else { slurm::quoted(word) }
 }
 
 /// Text of the system as UTF-8, which jobs are written in.
@@ -156,11 +177,19 @@ mod tests {
     fn parts_cost_at_most_a_tenth_for_tracing_again() {
         let plan = |count, once, each| {
             let measured = Measured { once: Duration::from_millis(once), each: Duration::from_millis(each) };
-            JobPlan { output: Path::new("o.png"), count, noun: "pictures", measured }.parts()
+            JobPlan { output: Path::new("o.png"), count, noun: "picture", measured }.parts()
         };
         // Ninety pictures take nine times as long as tracing.
         assert_eq!([plan(900, 1000, 100), plan(899, 1000, 100), plan(10, 1000, 100)], [10, 9, 1]);
         assert_eq!([plan(10_000, 0, 100), plan(5, 1, 1000), plan(100, 1000, 0)], [10_000, 5, 1]);
+    }
+
+    #[test]
+    fn files_of_jobs_are_named_after_the_output() {
+        let name = |output: &str| default_file(Path::new(output), JobKind::Openjd).display().to_string();
+        assert_eq!([name("a/sheet.png"), name("a/frame-%04d.exr")], ["sheet.openjd.json", "frame.openjd.json"]);
+        assert_eq!([name("%d.png"), name("x%%.png")], ["pictures.openjd.json", "x%.openjd.json"]);
+        assert_eq!([plain_or_quoted("a.json"), plain_or_quoted("a b")], ["a.json", "'a b'"]);
     }
 
     #[test]

@@ -5,6 +5,9 @@ use crate::cli::report::Failure;
 use illuminator::lang::diagnostic::Diagnostic;
 use serde_json::json;
 
+/// What the shell does with the folder, the program and its arguments. Actions have no folder of their own.
+const IN_FOLDER: &str = "cd \"$1\" && shift && exec \"$@\"";
+
 /// Names have at most this many characters.
 const LONGEST_NAME: usize = 128;
 
@@ -19,11 +22,11 @@ pub(super) fn text(job: &JobDescription) -> Result<String, Failure> {
         return Err(Failure::CommandLine(Diagnostic::error(message).help("give the file another name")));
     }
     let action = |last: &[&str]| {
-        let fixed = ["-C", "{{Param.Folder}}", "{{Param.Program}}"];
+        let fixed = ["-c", IN_FOLDER, "sh", "{{Param.Folder}}", "{{Param.Program}}"];
         let arguments: Vec<&str> =
             fixed.into_iter().chain(job.arguments.iter().map(String::as_str)).chain(last.to_vec()).collect();
         let cancelation = json!({ "mode": "NOTIFY_THEN_TERMINATE" });
-        json!({ "actions": { "onRun": { "command": "env", "args": arguments, "cancelation": cancelation } } })
+        json!({ "actions": { "onRun": { "command": "sh", "args": arguments, "cancelation": cancelation } } })
     };
     let part = format!("{{{{Task.Param.Part}}}}/{}", job.parts);
     let mut folder = json!({

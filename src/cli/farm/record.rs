@@ -1,17 +1,17 @@
 //! What the pictures in a folder are parts of. So parts of another sweep are not taken for this one's.
 
 use crate::cli::report::Failure;
-use illuminator::files::{Readable, open, reason, replace_text};
+use illuminator::files::{Readable, UNFINISHED_PREFIX, open, reason};
 use illuminator::lang::diagnostic::Diagnostic;
 use illuminator::picture::ViewTransform;
 use illuminator::scene::NamedFile;
 use illuminator::scene::shape::NamedMesh;
 use illuminator::workspace::project::Project;
-use illuminator::workspace::session::{NamedValue, Session};
+use illuminator::workspace::session::{NamedValue, PictureSettings, Session};
 use serde::{Deserialize, Serialize};
 use std::fs;
-use std::io::{ErrorKind, Read};
-use std::path::Path;
+use std::io::{self, ErrorKind, Read, Write};
+use std::path::{Path, PathBuf};
 
 /// A record larger than this is none. The values of ten thousand pictures take less.
 const MOST_BYTES: u64 = 1 << 28;
@@ -24,14 +24,29 @@ pub(in crate::cli) struct PartsRecord {
     program: String,
     formula: String,
     scene: String,
-    /// Size, depth and the like.
-    settings: String,
+    /// Size, depth and the like: what each is called, and its value.
+    settings: Vec<(String, String)>,
     /// All values before they are varied.
     values: Vec<String>,
     /// Files that the scene names, with their lengths in bytes.
     files: Vec<(String, u64)>,
     /// What differs from part to part.
     parts: Vec<Vec<String>>,
+}
+
+/// What each setting is called, and its value.
+fn settings(project: &Project, backend: &str, view: ViewTransform) -> Vec<(String, String)> {
+    let PictureSettings { size, depth, shadows, default_index, .. } = project.picture;
+    let all = [
+        ("the size", format!("{size:?}")),
+        ("the depth", depth.to_string()),
+        ("the shadows", shadows.to_string()),
+        ("the refractive index of bodies without one", default_index.to_string()),
+        ("the number of passes", project.picture.passes().to_string()),
+        ("how colours become bytes", format!("{view:?}")),
+        ("the backend", backend.to_owned()),
+    ];
+    all.into_iter().map(|(what, value)| (what.to_owned(), value)).collect()
 }
 
 /// A value as text.
@@ -53,28 +68,38 @@ impl PartsRecord {
             program: env!("CARGO_PKG_VERSION").to_owned(),
             formula: project.formula_text.text().to_owned(),
             scene: project.scene_text.text().to_owned(),
-            settings: format!("{backend}, {view:?}, {:?}", project.picture),
+            settings: settings(project, backend, view),
             values: values.iter().map(written).collect(),
             files: meshes.chain(images).filter_map(length).collect(),
             parts,
         }
     }
 
-    /// Writes the record if there is none, and makes the folder for it. Several workers may do so at once, because they
-    /// write the same.
+    /// Writes the record if there is none, and makes the folder for it. Several workers may do so at once: the first
+    /// record stays, and the others are compared with it. `is_there` says whether there is a picture of the job already.
     ///
     /// # Errors
-    /// There is the record of other pictures, or it cannot be read or written.
-    pub(in crate::cli) fn claim(&self, path: &Path) -> Result<(), Failure> {
+    /// There is the record of other pictures, there are pictures without a record, or it cannot be read or written.
+    pub(in crate::cli) fn claim(&self, path: &Path, is_there: impl FnOnce() -> Option<PathBuf>) -> Result<(), Failure> {
         if self.check(path)? {
             return Ok(());
         }
+        if let Some(picture) = is_there() {
+            let error = Diagnostic::error(format!("`{}` is there, and no part of this job", picture.display()));
+            return Err(Failure::Input(error.help("remove it and the others, or give `-o` another name")));
+        }
         let folder = path.parent().unwrap_or(Path::new(""));
-        let failed = |error| Failure::input(format!("cannot make the folder `{}`: {}", folder.display(), reason(&error)));
+        let failed = |error: io::Error| Failure::input(format!("cannot write `{}`: {}", path.display(), reason(&error)));
         fs::create_dir_all(folder).map_err(failed)?;
         let text = serde_json::to_string_pretty(self).map_err(|error| Failure::input(error.to_string()))?;
-        replace_text(path, &text)
-            .map_err(|error| Failure::input(format!("cannot write `{}`: {}", path.display(), reason(&error))))
+        let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        let mut file = tempfile::Builder::new().prefix(UNFINISHED_PREFIX).tempfile_in(here).map_err(failed)?;
+        file.write_all(text.as_bytes()).map_err(failed)?;
+        match file.persist_noclobber(path) {
+            Ok(_) => Ok(()),
+            Err(error) if error.error.kind() == ErrorKind::AlreadyExists => self.check(path).map(|_| ()),
+            Err(error) => Err(failed(error.error)),
+        }
     }
 
     /// Whether there is a record.
@@ -83,7 +108,8 @@ impl PartsRecord {
     /// It is that of other pictures, or cannot be read.
     pub(in crate::cli) fn check(&self, path: &Path) -> Result<bool, Failure> {
         let name = path.display();
-        let unreadable = |why: String| Failure::input(format!("cannot read `{name}`: {why}"));
+        let help = format!("remove `{name}` and the pictures beside it, and run all parts again");
+        let unreadable = |why: String| Failure::Input(Diagnostic::error(format!("cannot read `{name}`: {why}")).help(&help));
         let mut text = String::new();
         match open(path, Readable::Regular) {
             Ok((file, _)) => {
@@ -99,19 +125,24 @@ impl PartsRecord {
         }
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let message = format!("the pictures in `{}` are parts of something else: {}", folder.display(), self.difference(&there));
-        Err(Failure::Input(Diagnostic::error(message).help(format!("remove them with `{name}`, or give `-o` another name"))))
+        Err(Failure::Input(Diagnostic::error(message).help(format!("remove them and `{name}`, or give `-o` another name"))))
     }
 
     /// The first thing that differs.
-    fn difference(&self, other: &PartsRecord) -> &'static str {
+    fn difference(&self, other: &PartsRecord) -> String {
         let differ = [
             (self.program != other.program || self.version != other.version, "another version of the program began them"),
             (self.formula != other.formula, "the formula has changed"),
             (self.scene != other.scene, "the scene has changed"),
-            (self.settings != other.settings, "the settings have changed"),
             (self.values != other.values, "the values have changed"),
             (self.files != other.files, "a file of the scene has changed"),
         ];
-        differ.iter().find(|(differs, _)| *differs).map_or("other values are varied", |(_, what)| what)
+        if let Some((_, what)) = differ.iter().find(|(differs, _)| *differs) {
+            return (*what).to_owned();
+        }
+        match self.settings.iter().zip(&other.settings).find(|(own, other)| own != other) {
+            Some(((what, own), (_, other))) => format!("{what}: {own} here, {other} there"),
+            None => "other values are varied".to_owned(),
+        }
     }
 }

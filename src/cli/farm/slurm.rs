@@ -44,14 +44,18 @@ merge) cd "$folder" && exec "$program" "${{arguments[@]}}" --merge ;;
 esac
 # A worker runs a copy of this script, so the arguments are all that tells the steps apart.
 job=$(sbatch --parsable --array=1-{parts} "$@" "$0" part)
-last=$(sbatch --parsable --dependency="afterok:${{job%%;*}}" --kill-on-invalid-dep=yes --output=illuminator-%j.log "$@" "$0" merge)
+wait_for=(--dependency="afterok:${{job%%;*}}" --kill-on-invalid-dep=yes --output=illuminator-%j.log)
+last=$(sbatch --parsable "${{wait_for[@]}}" "$@" "$0" merge) || {{
+    echo "the parts are job ${{job%%;*}}, but the last step was not submitted; when they have run: bash $0 merge" >&2
+    exit 1
+}}
 echo "submitted: the parts are job ${{job%%;*}}, the last step is job ${{last%%;*}}"
 "#
     ))
 }
 
 /// A word as the shell reads it.
-fn quoted(word: &str) -> String {
+pub(super) fn quoted(word: &str) -> String {
     format!("'{}'", word.replace('\'', r"'\''"))
 }
 

@@ -3,15 +3,17 @@
 //! A part is an OpenEXR file of linear numbers, named by its first and last pass, which are counted from 1.
 
 use crate::cli::engine;
-use crate::cli::farm::{JobKind, JobPlan, Measured, PartsRecord, WorkPart, remove_unfinished, write_job};
+use crate::cli::farm::{
+    JobKind, JobPlan, Measured, PartsRecord, WorkPart, is_there, no_parts, not_to_standard_output, remove_unfinished, write_job,
+};
 use crate::cli::output::PictureTarget;
 use crate::cli::progress::Progress;
 use crate::cli::render::Options;
-use crate::cli::report::{Failure, print, warn};
+use crate::cli::report::{Failure, print};
 use illuminator::engine::{Subject, Task};
 use illuminator::files::reason;
 use illuminator::lang::diagnostic::Diagnostic;
-use illuminator::picture::{Frame, ViewTransform, is_complete, read_linear, save};
+use illuminator::picture::{Frame, ViewTransform, read_linear, save};
 use illuminator::workspace::project::Project;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -34,11 +36,10 @@ impl<'p> PassesInParts<'p> {
     /// It is written to standard output.
     pub(super) fn new(options: &'p Options, project: &'p Project, target: &PictureTarget) -> Result<Self, Failure> {
         let PictureTarget::File(path, _) = target else {
-            let error = Diagnostic::error("parts are written to files, not to standard output");
-            return Err(Failure::CommandLine(error.help("give `-o` the name of a file")));
+            return Err(not_to_standard_output());
         };
         let mut folder = path.file_stem().unwrap_or_default().to_owned();
-        folder.push("-parts");
+        folder.push("-passes");
         Ok(Self { options, project, folder: path.with_file_name(folder) })
     }
 
@@ -67,6 +68,13 @@ impl<'p> PassesInParts<'p> {
         (first < last).then_some(first..last)
     }
 
+    /// The passes of all parts that are there.
+    fn parts(&self) -> Result<Vec<Range<u32>>, Failure> {
+        let failed = |error| Failure::input(format!("cannot read `{}`: {}", self.folder.display(), reason(&error)));
+        let files = fs::read_dir(&self.folder).map_err(failed)?.flatten().map(|entry| entry.path());
+        Ok(files.filter_map(|path| Self::passes_of(&path).filter(|passes| self.path(passes) == path)).collect())
+    }
+
     /// Measures the work, and writes the job.
     pub(super) fn write_job(&self, kind: JobKind, start: Instant) -> Result<(), Failure> {
         if self.passes() == 1 {
@@ -78,8 +86,8 @@ impl<'p> PassesInParts<'p> {
         let pass = Instant::now();
         engine::on_threads(machine, || self.mean(0..1, &Progress::new("measuring")))??;
         let measured = Measured { once, each: pass.elapsed() };
-        let plan = JobPlan { output: &self.options.output, count: self.passes(), noun: "passes", measured };
-        write_job(&self.options.farm, kind, &plan)
+        let plan = JobPlan { output: &self.options.output, count: self.passes(), noun: "pass", measured };
+        write_job(&self.options.farm, kind, &plan, &self.project.files)
     }
 
     /// The mean of some passes.
@@ -94,34 +102,32 @@ impl<'p> PassesInParts<'p> {
 
     /// Makes a part, if it is not there yet.
     pub(super) fn make_part(&self, part: WorkPart) -> Result<(), Failure> {
-        self.record().claim(&self.record_path())?;
+        self.record().claim(&self.record_path(), || self.parts().ok()?.first().map(|passes| self.path(passes)))?;
         let passes = part.share(self.passes());
         if passes.is_empty() {
-            return print(&format!("part {part}: there are no more passes\n"));
+            return print(&format!("part {part}: nothing to do, because there are more parts than passes\n"));
         }
         let path = self.path(&passes);
-        let there = is_complete(&path, self.project.picture.size).unwrap_or_else(|error| {
-            warn(format!("`{}` is made again: {error}", path.display()));
-            false
-        });
+        let there = is_there(&path, self.project.picture.size);
         if !there {
             let progress = Progress::of_passes(format!("part {part}"), passes.len() as u32);
             let frame = engine::on_threads(&self.options.input.machine, || self.mean(passes.clone(), &progress))??;
             save(&path, &frame, ViewTransform::default()).map_err(Failure::input)?;
         }
         let done = if there { "kept" } else { "made" };
-        print(&format!("part {part}: passes {} to {}, {done}\n", passes.start + 1, passes.end))
+        let which = match passes.len() {
+            1 => format!("pass {}", passes.end),
+            _ => format!("passes {} to {}", passes.start + 1, passes.end),
+        };
+        print(&format!("part {part}: {which}, {done}\n"))
     }
 
     /// The mean of all parts.
     pub(super) fn merge(&self) -> Result<Frame, Failure> {
         if !self.record().check(&self.record_path())? {
-            let error = Diagnostic::error(format!("there are no parts in `{}`", self.folder.display()));
-            return Err(Failure::Input(error.help("`--part I/N` makes part I of N, with the same command line otherwise")));
+            return Err(no_parts(&self.folder));
         }
-        let failed = |error| Failure::input(format!("cannot read `{}`: {}", self.folder.display(), reason(&error)));
-        let files = fs::read_dir(&self.folder).map_err(failed)?.flatten().map(|entry| entry.path());
-        let known: Vec<Range<u32>> = files.filter_map(|path| Self::passes_of(&path)).collect();
+        let known = self.parts()?;
         let [width, height] = self.project.picture.size;
         let mut sum = vec![[0.0_f64; 3]; width as usize * height as usize];
         for passes in self.chain(&known).map_err(|done| self.missing(done, "is missing"))? {

@@ -1,9 +1,11 @@
 //! A sweep in parts: the job, the pictures of a part, and the last step.
 
 use crate::cli::engine;
-use crate::cli::farm::{JobKind, JobPlan, Measured, PartsRecord, WorkPart, remove_unfinished, write_job};
+use crate::cli::farm::{
+    JobKind, JobPlan, Measured, PartsRecord, WorkPart, is_there, no_parts, not_to_standard_output, remove_unfinished, write_job,
+};
 use crate::cli::output::PictureTarget;
-use crate::cli::report::{Failure, print, say, warn};
+use crate::cli::report::{Failure, number, print, say};
 use crate::cli::sweep::cells::Cells;
 use crate::cli::sweep::findings::Findings;
 use crate::cli::sweep::sheet::Sheet;
@@ -44,10 +46,7 @@ impl SweepInParts<'_> {
         match target {
             SweepTarget::Numbered(pattern) => Ok(pattern.clone()),
             SweepTarget::Sheet(PictureTarget::File(path, _)) => Ok(NamePattern::of_parts(path)),
-            SweepTarget::Sheet(PictureTarget::StandardOutput) => {
-                let error = Diagnostic::error("parts are written to files, not to standard output");
-                Err(Failure::CommandLine(error.help("give `-o` the name of a file")))
-            }
+            SweepTarget::Sheet(PictureTarget::StandardOutput) => Err(not_to_standard_output()),
         }
     }
 
@@ -63,8 +62,8 @@ impl SweepInParts<'_> {
         }
         let pattern = self.pattern(target)?;
         let measured = engine::on_threads(&self.options.input.machine, || self.measure(&pattern))??;
-        let plan = JobPlan { output: &self.options.output, count: self.count(), noun: "pictures", measured };
-        write_job(&self.options.farm, kind, &plan)
+        let plan = JobPlan { output: &self.options.output, count: self.count(), noun: "picture", measured };
+        write_job(&self.options.farm, kind, &plan, &self.project.files)
     }
 
     /// How long the work takes here: one pass is traced, and one picture is made of it.
@@ -89,9 +88,14 @@ impl SweepInParts<'_> {
     /// Makes the pictures of a part that are not there yet.
     pub(super) fn make_part(&self, part: WorkPart, target: &SweepTarget) -> Result<(), Failure> {
         let pattern = self.pattern(target)?;
-        self.record().claim(&pattern.record())?;
+        let first = || (0..self.count()).map(|index| pattern.path(index)).find(|path| path.exists());
+        self.record().claim(&pattern.record(), first)?;
         let share: Vec<usize> = part.share(self.count()).map(|index| index as usize).collect();
-        let (kept, missing): (Vec<usize>, Vec<usize>) = share.iter().partition(|index| self.is_there(&pattern, **index));
+        let is_there = |index: &usize| is_there(&pattern.path(*index as u32), self.project.picture.size);
+        let there: Vec<bool> =
+            engine::on_threads(&self.options.input.machine, || share.par_iter().map(is_there).collect::<Vec<_>>())?;
+        let of = |wanted: bool| share.iter().zip(&there).filter(move |(_, there)| **there == wanted).map(|(index, _)| *index);
+        let (kept, missing): (Vec<usize>, Vec<usize>) = (of(true).collect(), of(false).collect());
         let mut output = SweepOutput {
             project: self.project,
             cells: &self.cells.cells,
@@ -107,18 +111,9 @@ impl SweepInParts<'_> {
         }
         output.findings.say_of_pictures(&self.cells.cells);
         if !self.options.json {
-            print(&format!("part {part}: {} pictures made, {} kept\n", missing.len(), kept.len()))?;
+            print(&format!("part {part}: {} made, {} kept\n", number(missing.len(), "picture"), kept.len()))?;
         }
         output.list(self.options, &missing, &kept)
-    }
-
-    /// Whether a picture is there, and complete. A damaged one is made again.
-    fn is_there(&self, pattern: &NamePattern, index: usize) -> bool {
-        let path = pattern.path(index as u32);
-        is_complete(&path, self.project.picture.size).unwrap_or_else(|error| {
-            warn(format!("`{}` is made again: {error}", path.display()));
-            false
-        })
     }
 
     /// A picture that must be there, if its pixels are wanted.
@@ -135,8 +130,7 @@ impl SweepInParts<'_> {
     pub(super) fn merge(&self, target: &SweepTarget, sheet: Option<Sheet>) -> Result<(), Failure> {
         let pattern = self.pattern(target)?;
         if !self.record().check(&pattern.record())? {
-            let error = Diagnostic::error(format!("there are no parts in `{}`", pattern.folder().display()));
-            return Err(Failure::Input(error.help("`--part I/N` makes part I of N, with the same command line otherwise")));
+            return Err(no_parts(pattern.folder()));
         }
         let mut bitmap = match &sheet {
             Some(sheet) => {
@@ -183,7 +177,7 @@ impl SweepInParts<'_> {
         }
         let all: Vec<usize> = (0..self.cells.cells.len()).collect();
         if !self.options.json {
-            print(&format!("{}: {} pictures\n", self.options.output.display(), self.count()))?;
+            print(&format!("{}: {}\n", self.options.output.display(), number(self.cells.cells.len(), "picture")))?;
         }
         output.list(self.options, &[], &all)
     }
