@@ -1,8 +1,10 @@
 """A sweep that workers share: what each of them does, and the contact sheet. The examples for Dask and Ray use it."""
 
 import argparse
+import json
 import math
 import os
+import sys
 from pathlib import Path
 
 import illuminator
@@ -52,6 +54,12 @@ def share_out(arguments):
     """The parts: lists of pictures, each with its number and values."""
     Path(arguments["folder"]).mkdir(parents=True, exist_ok=True)
     session = illuminator.Session(arguments["session"], size=arguments["size"])
+    # Pictures of another sweep are not taken for those of this one.
+    record = Path(arguments["folder"]) / "sweep.json"
+    sweep = json.dumps({"session": session.keys(), "text": session.formula.text, **arguments, "chunk": 0, "workers": 0})
+    if record.exists() and record.read_text() != sweep:
+        sys.exit(f"the pictures in {arguments['folder']} are of another sweep; give --folder another name")
+    record.write_text(sweep)
     pictures = list(enumerate(session.variations(*arguments["vary"]), start=1))
     chunk = arguments["chunk"]
     return [pictures[first : first + chunk] for first in range(0, len(pictures), chunk)]
