@@ -313,7 +313,7 @@ impl Engine {
 
     /// The memory budget, and what parts of the picture take of it. This many linear pictures are kept besides.
     fn budget(&self, subject: &Subject, pictures: u64) -> Result<Budget, EngineError> {
-        let Footprint { per_hit, per_record, per_miss, per_pair, per_call } =
+        let Footprint { per_hit, per_record, per_miss, per_pair, per_call, per_pixel } =
             self.backend.compile(&subject.formula, &subject.world)?;
         let scene = subject.world.scene();
         let pairs = scene.bodies.len() as u64 * scene.lights.len() as u64;
@@ -326,7 +326,7 @@ impl Engine {
             bytes_per_hit: per_hit,
             bytes_per_record: per_record,
             bytes_per_miss: per_miss,
-            bytes_per_pixel: BYTES_PER_PIXEL.saturating_add(pictures.saturating_mul(BYTES_PER_LINEAR_PIXEL)),
+            bytes_per_pixel: (BYTES_PER_PIXEL + per_pixel).saturating_add(pictures.saturating_mul(BYTES_PER_LINEAR_PIXEL)),
             bytes_per_call: per_call,
         })
     }

@@ -1,11 +1,14 @@
 //! The backends: the ways in which formulas are evaluated, chosen by name.
 //!
 //! - [`interpreter`]: the reference, postfix code on a stack machine;
-//! - [`compiled`]: machine code over static columns.
+//! - [`compiled`]: machine code over static columns;
+//! - `gpu`: a graphics device over the same columns, if the program is built with the feature of that name.
 //!
 //! [`verify`] compares an evaluator with the reference. The traits of a backend are in [`evaluate`](crate::evaluate).
 
 pub mod compiled;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod interpreter;
 pub mod verify;
 
@@ -63,8 +66,29 @@ pub const DEFAULT: BackendChoice =
 pub const REFERENCE: BackendChoice =
     BackendChoice { name: interpreter::NAME, title: "Reference interpreter", make: || Arc::new(interpreter::Interpreter) };
 
+/// The graphics device.
+#[cfg(feature = "gpu")]
+pub const DEVICE: BackendChoice =
+    BackendChoice { name: gpu::NAME, title: "Graphics device", make: || Arc::new(gpu::Gpu::default()) };
+
 /// Every backend.
-pub const CHOICES: [BackendChoice; 2] = [DEFAULT, REFERENCE];
+pub const CHOICES: &[BackendChoice] = &[
+    DEFAULT,
+    REFERENCE,
+    #[cfg(feature = "gpu")]
+    DEVICE,
+];
+
+/// Backends that a build may lack: the name of each, which is that of the feature of cargo that adds it, and whether it
+/// is there.
+const OPTIONAL: [(&str, bool); 1] = [("gpu", cfg!(feature = "gpu"))];
+
+/// Why there is no backend of this name, if another build of the program has it: a message for the user.
+pub fn lacking(name: &str) -> Option<String> {
+    let is_lacking = OPTIONAL.contains(&(name, false));
+    is_lacking
+        .then(|| format!("this build has no backend `{name}`; build the program with `cargo build --release --features {name}`"))
+}
 
 /// The backend with this name.
 pub fn named(name: &str) -> Option<&'static BackendChoice> {
@@ -105,7 +129,7 @@ mod tests {
             let evaluator = Engine::new(choice.make()).evaluator(&subject, &[], &Task::UNWATCHED).unwrap();
             evaluator.frame(values.numbers()).linear
         };
-        for choice in CHOICES {
+        for choice in CHOICES.iter().copied() {
             let one = World::new(Arc::clone(&one), &Assets::NONE).expect("no meshes").with_emitter(&two.lights[1].kind);
             let shared = frame(one, &["one.ki=0.7", "one.m=0.6", "*.kr=0.2"], choice);
             let separate = ["one.ki=0.7", "other.ki=0.7", "one.m=0.6", "other.m=0.6", "*.kr=0.2"];

@@ -1,8 +1,10 @@
 //! Options that several commands share, and how their values are read.
 
 use crate::cli::report::warn;
-use clap::Args;
-use illuminator::backends::{BackendChoice, CHOICES, DEFAULT, named};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::error::ErrorKind;
+use clap::{Arg, Args, Command};
+use illuminator::backends::{BackendChoice, CHOICES, DEFAULT, lacking, named};
 use illuminator::lang::ast::Constant;
 use illuminator::lang::display_text::one_line;
 use illuminator::picture::{EXPOSURES, ToneCurve, Transfer, ViewTransform};
@@ -10,7 +12,7 @@ use illuminator::trace::{MAX_DEPTH, MAX_PASSES, MAX_SIDE};
 use illuminator::workspace::NamedAssignment;
 use illuminator::workspace::assignment::parse_value;
 use illuminator::workspace::materials::MaterialAssignment;
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
@@ -91,16 +93,44 @@ pub(super) struct PictureOptions {
     curve: Option<String>,
     #[command(flatten)]
     pub(super) passes: PassOptions,
-    /// Backend that evaluates the formula: compiled code, or the reference interpreter
-    #[arg(long, default_value = DEFAULT.name, value_parser = CHOICES.map(|choice| choice.name))]
-    backend: String,
+    #[command(flatten)]
+    backend: BackendOptions,
+}
+
+/// What evaluates the formula.
+#[derive(Args, Debug)]
+pub(super) struct BackendOptions {
+    /// Backend that evaluates the formula: compiled code, the reference interpreter, or a graphics device
+    #[arg(long, default_value = DEFAULT.name, value_parser = BackendParser)]
+    pub(super) backend: BackendChoice,
+}
+
+/// Takes the names of backends. One that this build lacks has a message of its own.
+#[derive(Clone, Copy)]
+struct BackendParser;
+
+impl TypedValueParser for BackendParser {
+    type Value = BackendChoice;
+
+    fn parse_ref(&self, command: &Command, argument: Option<&Arg>, value: &OsStr) -> Result<BackendChoice, clap::Error> {
+        if let Some(message) = value.to_str().and_then(lacking) {
+            return Err(clap::Error::raw(ErrorKind::InvalidValue, message).with_cmd(command));
+        }
+        let names = PossibleValuesParser::new(CHOICES.iter().map(|choice| choice.name));
+        let name = names.parse_ref(command, argument, value)?;
+        // The parser accepts known names only.
+        Ok(*named(&name).unwrap_or(&DEFAULT))
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new(CHOICES.iter().map(|choice| PossibleValue::new(choice.name))))
+    }
 }
 
 impl PictureOptions {
     /// The backend.
-    pub(super) fn backend(&self) -> &'static BackendChoice {
-        // The argument parser accepts known names only.
-        named(&self.backend).unwrap_or(&DEFAULT)
+    pub(super) fn backend(&self) -> &BackendChoice {
+        &self.backend.backend
     }
 
     /// The view transform of a session, changed as the options say.

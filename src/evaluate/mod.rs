@@ -55,6 +55,8 @@ pub struct Footprint {
     pub per_pair: u64,
     /// For each call of compiled code: a kernel for one light of a chunk, or adding a chunk to the pixels.
     pub per_call: u64,
+    /// For each pixel, beside the linear picture and the framebuffer.
+    pub per_pixel: u64,
 }
 
 /// A way to evaluate formulas.

@@ -1,6 +1,7 @@
 //! How each target language spells types, numbers and operations: a row for each language.
 
 use crate::lang::builtins::Operation;
+use crate::lang::noise::permutation;
 use crate::lang::scalars::Primitive;
 use crate::lang::types::Type;
 
@@ -115,7 +116,7 @@ impl Dialect {
     }
 
     /// How noise reads its table, in the text that GLSL, HLSL and OSL share.
-    pub(super) fn table(&self) -> &'static str {
+    fn table(&self) -> &'static str {
         match self.language {
             Language::Glsl | Language::Brdf => {
                 "const int PERMUTATION[256] = int[256](\n@PERMUTATION@\n);\n\n\
@@ -132,6 +133,13 @@ impl Dialect {
             }
             Language::C | Language::Wgsl | Language::MaterialX => "",
         }
+    }
+
+    /// The functions of noise.
+    pub(super) fn noise_text(&self) -> String {
+        let rows = permutation().chunks(16).map(|row| row.iter().map(u8::to_string).collect::<Vec<_>>().join(", "));
+        let table = rows.map(|row| format!("    {row}")).collect::<Vec<_>>().join(",\n");
+        self.noise.replace("@DECLARATION@", self.table()).replace("@PERMUTATION@", &table)
     }
 
     /// The declaration of a value.

@@ -9,6 +9,8 @@
 mod brdf;
 mod dialect;
 mod helpers;
+#[cfg(feature = "gpu")]
+mod kernel_text;
 mod materialx;
 mod names;
 mod nodes;
@@ -19,10 +21,11 @@ mod walk;
 mod writer;
 
 pub use brdf::ExportError;
+#[cfg(feature = "gpu")]
+pub use kernel_text::{wgsl_noise, wgsl_primitive};
 
 use crate::formula::{Formula, ParameterId, Term, TermId};
 use crate::lang::ast::Relation;
-use crate::lang::noise::permutation;
 use crate::lang::scalars::Primitive;
 use crate::lang::surface_terms::SurfaceTerm;
 use crate::lang::types::Type;
@@ -165,7 +168,7 @@ fn prelude(dialect: &Dialect, body: &str) -> Vec<String> {
         parts.push(dialect.power.to_owned());
     }
     if has_word(body, dialect.primitive(Primitive::Perlin)) {
-        parts.push(dialect.noise.replace("@DECLARATION@", dialect.table()).replace("@PERMUTATION@", &table()));
+        parts.push(dialect.noise_text());
     }
     parts
 }
@@ -199,12 +202,6 @@ fn header(formula: &Formula, function: &str, origin: &str, dialect: &Dialect) ->
     });
     lines.extend(invariants);
     lines.join("\n") + "\n"
-}
-
-/// The permutation of noise, in rows.
-fn table() -> String {
-    let rows = permutation().chunks(16).map(|row| row.iter().map(u8::to_string).collect::<Vec<_>>().join(", "));
-    rows.map(|row| format!("    {row}")).collect::<Vec<_>>().join(",\n")
 }
 
 /// `cook-torrance` as `cook_torrance`.

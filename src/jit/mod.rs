@@ -23,7 +23,7 @@ pub mod compile;
 mod emit;
 mod kernel;
 pub mod lanes;
-mod math;
+pub(crate) mod math;
 mod pixels;
 pub mod target;
 mod widen;

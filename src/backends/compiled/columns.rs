@@ -17,8 +17,8 @@ use crate::jit::{CompiledFormula, Line, PREFETCH_DISTANCE, Splat, Streams};
 use crate::lang::scalars::flush;
 use crate::plan::KernelPlan;
 use crate::trace::{
-    CHUNK_LINES, CoordinatesUse, Group, HitVariables, Hits, LINE_HITS, LightVariables, Mismatch, ROUND_LINES, Tile, Tracer,
-    replay, variable,
+    CHUNK_LINES, CoordinatesUse, Group, HitVariables, LINE_HITS, LightVariables, Mismatch, ROUND_LINES, Tile, Tracer, replay,
+    variable,
 };
 use crate::world::EmitterId;
 use rayon::prelude::*;
@@ -29,7 +29,7 @@ use std::sync::Arc;
 const _: () = assert!(LINE_HITS == Line::RECORDS && CHUNK_LINES.is_multiple_of(ROUND_LINES));
 
 /// The columns of a tile's groups.
-pub(super) struct Columns {
+pub(in crate::backends) struct Columns {
     memory: Arc<StreamMemory>,
     /// The tile's part of the memory.
     lines: Range<usize>,
@@ -108,21 +108,21 @@ impl Chunk {
 }
 
 impl Columns {
-    /// Computes the static values of all tiles, with these textures.
-    pub(super) fn of_tiles(
+    /// Computes the static values of some tiles, with these textures.
+    pub(in crate::backends) fn of_tiles(
         compiled: &CompiledFormula,
         formula: &Formula,
         textures: &StaticTextures,
-        hits: &Hits,
+        tracer: &Tracer,
+        tiles: &[Tile],
     ) -> Result<Vec<Self>, Mismatch> {
-        let tracer = Tracer::new(&hits.world, &hits.view);
         let frontier = &compiled.plan.bindings.frontier;
         // Groups that no light reaches are not evaluated.
         let lit = |group: &Group| !group.emitters.is_empty();
         let (hit_columns, record_columns) = (frontier.hits.len(), frontier.records.len());
         let spare = Arrangement::spare(hit_columns, record_columns);
         let arrangement = |tile: &Tile| Arrangement::new(tile, 0, hit_columns, record_columns, lit);
-        let arrangements: Vec<Arrangement> = hits.tiles.iter().map(arrangement).collect();
+        let arrangements: Vec<Arrangement> = tiles.iter().map(arrangement).collect();
         let mut memory = StreamMemory::zeroed(arrangements.iter().map(|arrangement| arrangement.end).sum::<usize>() + spare);
         let mut parts = Vec::with_capacity(arrangements.len());
         let mut rest = memory.lines_mut();
@@ -131,9 +131,9 @@ impl Columns {
             parts.push(own);
             rest = behind;
         }
-        hits.tiles.par_iter().zip(&arrangements).zip(parts).try_for_each(|((tile, arrangement), lines)| {
+        tiles.par_iter().zip(&arrangements).zip(parts).try_for_each(|((tile, arrangement), lines)| {
             let mut leaves = LeafColumns::new(compiled, formula, textures);
-            (0..tile.groups.len()).try_for_each(|index| fill(compiled, &tracer, tile, arrangement, index, lines, &mut leaves))
+            (0..tile.groups.len()).try_for_each(|index| fill(compiled, tracer, tile, arrangement, index, lines, &mut leaves))
         })?;
         let memory = Arc::new(memory);
         let mut end = 0;
@@ -175,6 +175,11 @@ impl Columns {
         &self.memory.lines()[self.lines.start..]
     }
 
+    /// The lines of the columns alone.
+    pub(in crate::backends) fn own_lines(&self) -> &[Line] {
+        &self.memory.lines()[self.lines.clone()]
+    }
+
     /// The memory that they lie in, possibly with others.
     pub(super) fn into_memory(self) -> Arc<StreamMemory> {
         self.memory
@@ -187,7 +192,7 @@ impl Columns {
 
     /// Where some lines of the columns of a group are. The lines belong to one chunk. They may end up to a round
     /// after it, where there is other data.
-    pub(super) fn part(&self, group: usize, lines: Range<usize>) -> ColumnPart {
+    pub(in crate::backends) fn part(&self, group: usize, lines: Range<usize>) -> ColumnPart {
         let arrangement = &self.arrangement;
         let own = &arrangement.groups[group];
         let chunk = Chunk::of(lines.start, own);
@@ -203,7 +208,7 @@ impl Columns {
 }
 
 /// Where some lines of the columns of a group are among the lines of the tile, as kernels read them.
-pub(super) struct ColumnPart {
+pub(in crate::backends) struct ColumnPart {
     /// The first line of the chunk.
     start: usize,
     hit_columns: usize,
@@ -217,12 +222,12 @@ pub(super) struct ColumnPart {
 
 impl ColumnPart {
     /// The hit frontier.
-    pub(super) fn hits(&self) -> Range<usize> {
+    pub(in crate::backends) fn hits(&self) -> Range<usize> {
         self.stream(0, self.hit_columns)
     }
 
     /// The record frontier, for the light with this index in the group.
-    pub(super) fn records(&self, light: usize) -> Range<usize> {
+    pub(in crate::backends) fn records(&self, light: usize) -> Range<usize> {
         self.stream(self.chunk * (self.hit_columns + light * self.record_columns), self.record_columns)
     }
 
@@ -272,7 +277,7 @@ fn fill(
 }
 
 /// What static kernels read, for up to one chunk of hits.
-pub(super) struct LeafColumns<'t> {
+pub(in crate::backends) struct LeafColumns<'t> {
     hit_leaves: Vec<StaticLeaf>,
     record_leaves: Vec<StaticLeaf>,
     textures: &'t StaticTextures,
@@ -285,7 +290,7 @@ pub(super) struct LeafColumns<'t> {
 
 impl<'t> LeafColumns<'t> {
     /// The memory that they take for a group with this many emitters, in bytes.
-    pub(super) fn bytes(compiled: &CompiledFormula, emitters: usize) -> usize {
+    pub(in crate::backends) fn bytes(compiled: &CompiledFormula, emitters: usize) -> usize {
         let leaves = |plan: &KernelPlan| plan.streams[0].len();
         let columns = leaves(&compiled.plan.hits) + emitters * leaves(&compiled.plan.records);
         columns * CHUNK_LINES * size_of::<Line>()

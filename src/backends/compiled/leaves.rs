@@ -41,7 +41,7 @@ impl StaticLeaf {
 
 /// The numbers of the textures that static values of a formula were looked up in.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct StaticTextures {
+pub(in crate::backends) struct StaticTextures {
     layout: Layout,
     /// The indices of the numbers in the layout, in order, and the numbers.
     numbers: Vec<(usize, f32)>,
@@ -49,7 +49,7 @@ pub(super) struct StaticTextures {
 
 impl StaticTextures {
     /// The textures among parameter numbers. Numbers that are missing count as 0, white.
-    pub(super) fn new(plan: &FormulaPlan, formula: &Formula, layout: Layout, parameters: &[f32]) -> Self {
+    pub(in crate::backends) fn new(plan: &FormulaPlan, formula: &Formula, layout: Layout, parameters: &[f32]) -> Self {
         let of = |kernel: &KernelPlan, graph| parameter_slots(kernel, graph, &formula.parameters);
         let graph = &plan.bindings.graph;
         let mut slots = of(&plan.hits, graph);
@@ -78,7 +78,7 @@ impl StaticTextures {
     }
 
     /// Whether these parameter numbers have the same textures.
-    pub(super) fn are_in(&self, parameters: &[f32]) -> bool {
+    pub(in crate::backends) fn are_in(&self, parameters: &[f32]) -> bool {
         self.among(parameters).eq(self.numbers.iter().copied())
     }
 

@@ -5,9 +5,9 @@
 //! that work is kept from frame to frame (`program`). `drag` makes the pictures while a slider is held.
 
 mod chosen;
-mod columns;
+pub(in crate::backends) mod columns;
 mod drag;
-mod leaves;
+pub(in crate::backends) mod leaves;
 mod memory;
 mod miss_radiance;
 mod place;
@@ -16,9 +16,10 @@ mod program;
 mod source;
 mod stored_pass;
 mod summation;
-mod surface;
+pub(in crate::backends) mod surface;
 mod textured;
 mod tile;
+pub(in crate::backends) mod uniforms;
 mod variant_columns;
 
 use crate::evaluate::weights::{PathMonomials, Weight, path_weights};
@@ -29,7 +30,6 @@ use crate::formula::Formula;
 use crate::formula::equation::{Equation, Site};
 use crate::jit::compile::{CompiledSurface, Contribution};
 use crate::jit::{self, CompiledFormula, Kernel, KernelCache, Line, PREFETCH_DISTANCE, PixelCode, Splat, Width};
-use crate::lang::scalars::flush;
 use crate::lang::variables::Owner;
 use crate::picture::Frame;
 use crate::plan::{Channels, DragPlan, ParameterSlot, SurfacePlan, parameter_slots};
@@ -51,6 +51,7 @@ use summation::{Summation, SummationColumns};
 use surface::{OwnPart, SurfaceSummation, SurfaceTile, parameter_weights};
 use textured::Textured;
 use tile::{Accumulate, TileScratch};
+use uniforms::pair_values;
 
 /// The name of the backend.
 pub const NAME: &str = "jit";
@@ -94,6 +95,7 @@ impl Backend for Jit {
             per_miss: seen + if compiled.surface.is_some() { SurfaceTile::BYTES_PER_MISS as u64 } else { 0 },
             per_pair,
             per_call,
+            per_pixel: 0,
         })
     }
 
@@ -414,32 +416,9 @@ impl Compiled {
         summation.run(tile, place, None, Accumulate::Overwrite, scratch, &mut program);
     }
 
-    /// The uniform values of all pairs of a body and a light, pair by pair, by a kernel that reads these parameter
-    /// numbers. `lights` is the number of lights, or 1 for values that do not depend on a light.
+    /// The uniform values of all pairs of a body and a light, see [`pair_values`].
     fn uniforms(&self, parameters: &[f32], kernel: &Kernel, leaves: &[ParameterSlot], lights: usize) -> Vec<Splat> {
-        let layout = &self.equation.layout;
-        let pairs = layout.owners(Owner::Body) * lights;
-        let lines = pairs.div_ceil(Line::RECORDS);
-        let mut inputs = vec![Line::default(); lines * leaves.len()];
-        for (column, leaf) in leaves.iter().enumerate() {
-            for pair in 0..pairs {
-                let index = match leaf.owner {
-                    Owner::Global => 0,
-                    Owner::Body => pair / lights,
-                    Owner::Light => pair % lights,
-                };
-                let number = flush(parameters[layout.row(leaf.owner, index) + leaf.slot]);
-                inputs[pair / Line::RECORDS * leaves.len() + column].0[pair % Line::RECORDS] = number;
-            }
-        }
-        let columns = kernel.outputs();
-        let mut outputs = vec![Line::default(); lines * columns];
-        kernel.run([&inputs, &[], &[]], &[], &mut [&mut outputs], lines);
-        let values = |pair: usize| {
-            let first = pair / Line::RECORDS * columns;
-            outputs[first..first + columns].iter().map(move |line| line.0[pair % Line::RECORDS])
-        };
-        (0..pairs).flat_map(values).map(Splat::new).collect()
+        pair_values(&self.equation.layout, parameters, kernel, leaves, lights).into_iter().map(Splat::new).collect()
     }
 }
 

@@ -41,9 +41,9 @@ impl StoredPass {
         hits: &Arc<Hits>,
     ) -> Result<Self, Mismatch> {
         let hits = hits.for_lights(formula.evaluated_lights())?;
-        let columns = Columns::of_tiles(compiled, formula, textures, &hits)?;
-        let surface = SurfaceTile::of_tiles(compiled, formula, textures, &hits)?;
         let tracer = Tracer::new(&hits.world, &hits.view);
+        let columns = Columns::of_tiles(compiled, formula, textures, &tracer, &hits.tiles)?;
+        let surface = SurfaceTile::of_tiles(compiled, formula, textures, &tracer, &hits.tiles)?;
         let radiance = hits.tiles.par_iter().filter_map(|tile| MissRadiance::of_tile(&tracer, tile).transpose());
         let radiance = radiance.collect::<Result<_, _>>()?;
         let programs = hits.tiles.iter().map(|_| Mutex::default()).collect();

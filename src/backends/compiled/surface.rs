@@ -16,7 +16,7 @@ mod plain_weights;
 #[cfg(test)]
 mod tests;
 
-pub(super) use nodes::SurfaceTile;
+pub(in crate::backends) use nodes::SurfaceTile;
 
 use crate::backends::compiled::place::TilePlace;
 use crate::evaluate::weights::Weight;

@@ -8,37 +8,39 @@ use std::f32::consts::{LN_2, LOG2_E};
 
 /// 2^f on [0, 1], degree 6, absolute error 4.3e-9. The first coefficient is exactly 1, so that whole exponents give
 /// exact powers of two. Degree 5 would have an error of 2.4 ulp, and 5 ulp in powers.
-const EXP2: [f32; 7] = [1.0, LN_2, 0.2402278, 0.055490993, 0.009665556, 0.0012547864, 0.00021367423];
+pub(crate) const EXP2: [f32; 7] = [1.0, LN_2, 0.2402278, 0.055490993, 0.009665556, 0.0012547864, 0.00021367423];
 
 /// e^f on [0, ln 2], degree 6, absolute error 4.3e-9.
-const EXP: [f32; 7] = [1.0, 1.0, 0.50000274, 0.166627, 0.04187299, 0.007841026, 0.0019273191];
+pub(crate) const EXP: [f32; 7] = [1.0, 1.0, 0.50000274, 0.166627, 0.04187299, 0.007841026, 0.0019273191];
 
 /// ln 2 in two parts. The first has ten bits, so that its product with an exponent is exact (Cody & Waite 1980,
 /// constants of Cephes).
-const LN_2_HEAD: f32 = 0.6933594;
-const LN_2_TAIL: f32 = -2.1219444e-4;
+pub(crate) const LN_2_HEAD: f32 = 0.6933594;
+pub(crate) const LN_2_TAIL: f32 = -2.1219444e-4;
 
 /// log2(1 + r) / r on [√½ − 1, √2 − 1], degree 8, relative error 2.8e-8.
-const LOG2: [f32; 9] = [LOG2_E, -0.7213474, 0.48090896, -0.36070058, 0.2879535, -0.2390149, 0.21548083, -0.20678698, 0.12584242];
+pub(crate) const LOG2: [f32; 9] =
+    [LOG2_E, -0.7213474, 0.48090896, -0.36070058, 0.2879535, -0.2390149, 0.21548083, -0.20678698, 0.12584242];
 
 /// (ln(1 + r) − r) / r² on [√½ − 1, √2 − 1], degree 7, relative error of the logarithm 3.0e-8.
-const LOG: [f32; 8] = [-0.4999999, 0.33333945, -0.25001776, 0.1996224, -0.16570313, 0.14916354, -0.14307721, 0.08738795];
+pub(crate) const LOG: [f32; 8] =
+    [-0.4999999, 0.33333945, -0.25001776, 0.1996224, -0.16570313, 0.14916354, -0.14307721, 0.08738795];
 
 /// (2 log2(e) artanh(s) − 2 log2(e) s) / s³ as a polynomial in s², for |s| up to (√2 − 1) / (√2 + 1), degree 3,
 /// relative error of the logarithm 1.1e-11.
-const ARTANH: [f32; 4] = [0.9617967, 0.5770788, 0.41192728, 0.33648953];
+pub(crate) const ARTANH: [f32; 4] = [0.9617967, 0.5770788, 0.41192728, 0.33648953];
 
 /// 2 log2(e), rounded, and the rounding error; and the same number as a head of twelve bits and a tail.
-const TWO_LOG2_E: f32 = 2.0 * LOG2_E;
+pub(crate) const TWO_LOG2_E: f32 = 2.0 * LOG2_E;
 const TWO_LOG2_E_ERROR: f32 = 3.851926e-8;
-const TWO_LOG2_E_HEAD: f32 = 2.8847656;
-const TWO_LOG2_E_TAIL: f32 = 6.244568e-4;
+pub(crate) const TWO_LOG2_E_HEAD: f32 = 2.8847656;
+pub(crate) const TWO_LOG2_E_TAIL: f32 = 6.244568e-4;
 
 /// A mask for the first twelve bits of a mantissa. The product of two such numbers is exact.
 const TWELVE_BITS: u32 = 0xffff_f000;
 
 /// A bound of the tail of an exponent, 2²⁰: beyond it the result is infinite or 0 anyway.
-const TAIL_LIMIT: f32 = 1_048_576.0;
+pub(crate) const TAIL_LIMIT: f32 = 1_048_576.0;
 
 /// The bits of √½. Subtracted from the bits of a float they make its exponent field that of the power of two 2^e for
 /// which the number divided by it lies in [√½, √2).

@@ -6,13 +6,15 @@ use cranelift_codegen::ir::{InstBuilder, Value};
 use std::f32::consts::{FRAC_PI_2, PI};
 
 /// (asin s − s) / s³ as a polynomial in s², |s| ≤ ½, degree 4, relative error of the arcsine 4.9e-9.
-const ASIN: [f32; 5] = [0.16666752, 0.074953094, 0.045469154, 0.024184743, 0.042158388];
+pub(crate) const ASIN: [f32; 5] = [0.16666752, 0.074953094, 0.045469154, 0.024184743, 0.042158388];
 
 /// acos a / √(1 − a) on [0, 1], degree 7, relative error 2.8e-8; the form is that of Hastings 1955.
-const ACOS: [f32; 8] = [FRAC_PI_2, -0.21460323, 0.0890383, -0.05049173, 0.031727992, -0.01824149, 0.0074695176, -0.0014822034];
+pub(crate) const ACOS: [f32; 8] =
+    [FRAC_PI_2, -0.21460323, 0.0890383, -0.05049173, 0.031727992, -0.01824149, 0.0074695176, -0.0014822034];
 
 /// (atan t − t) / t³ as a polynomial in t², |t| ≤ 1, degree 7, relative error of the arctangent 1.7e-8.
-const ATAN: [f32; 8] = [-0.33333153, 0.19993767, -0.14211008, 0.10665822, -0.075518385, 0.043207597, -0.01636541, 0.0029200881];
+pub(crate) const ATAN: [f32; 8] =
+    [-0.33333153, 0.19993767, -0.14211008, 0.10665822, -0.075518385, 0.043207597, -0.01636541, 0.0029200881];
 
 impl VectorMath<'_, '_> {
     /// asin x: a polynomial up to ½, and beyond it π/2 − 2 asin √((1 − x) / 2) by the same polynomial (Cephes).

@@ -21,9 +21,9 @@
 //!   Their coefficients were rounded to `f32` one after the other, and the remaining ones fitted again each time. The
 //!   "error" of a fit is that of the rounded polynomial in exact arithmetic.
 
-mod exponential;
-mod inverse;
-mod trigonometric;
+pub(crate) mod exponential;
+pub(crate) mod inverse;
+pub(crate) mod trigonometric;
 
 use cranelift_codegen::ir::condcodes::FloatCC;
 use cranelift_codegen::ir::types::{F32X4, I8X16, I16X8, I32, I32X4};
@@ -37,11 +37,11 @@ const SIGN: u32 = 0x8000_0000;
 const MAGNITUDE: u32 = 0x7fff_ffff;
 
 /// π/2 is `FRAC_PI_2` plus this.
-const FRAC_PI_2_TAIL: f32 = -4.371139e-8;
+pub(crate) const FRAC_PI_2_TAIL: f32 = -4.371139e-8;
 
 /// 1.5 · 2²³. Added to a float of magnitude up to 2²², it leaves the nearest integer in the low
 /// bits of the sum's mantissa, and subtracted again, the integer as a float.
-const ROUNDER: f32 = 12_582_912.0;
+pub(crate) const ROUNDER: f32 = 12_582_912.0;
 
 /// Emits code for the elementary functions into the function under construction.
 ///

@@ -6,19 +6,20 @@ use cranelift_codegen::ir::{InstBuilder, Value};
 use std::f32::consts::{FRAC_1_PI, FRAC_2_PI};
 
 /// (sin r − r) / r³ as a polynomial in r², |r| ≤ 1.58, degree 3, relative error of the sine 6.7e-9.
-const SIN: [f32; 4] = [-0.1666666, 0.0083330665, -0.0001980944, 2.6051405e-6];
+pub(crate) const SIN: [f32; 4] = [-0.1666666, 0.0083330665, -0.0001980944, 2.6051405e-6];
 
 /// (tan r − r) / r³ as a polynomial in r², |r| ≤ 0.7935, degree 5, relative error of the tangent 2.1e-8.
-const TAN: [f32; 6] = [0.3333313, 0.13339539, 0.053349357, 0.024653297, 0.002758911, 0.009600681];
+pub(crate) const TAN: [f32; 6] = [0.3333313, 0.13339539, 0.053349357, 0.024653297, 0.002758911, 0.009600681];
 
 /// The largest angle whose tangent is computed; beyond, the result is 0.
-const TAN_RANGE: f32 = 131_072.0;
+pub(crate) const TAN_RANGE: f32 = 131_072.0;
 
 /// π as a sum of parts of 24 bits. All are positive, so that 0 times each has the same sign and −0 stays −0.
 const PI: [f32; 3] = [3.1415925, 1.5099579e-7, 1.0780606e-14];
 
 /// π as a sum of parts of eight bits, the last of 24. Their products with whole and half numbers up to 2¹⁵ are exact.
-const PI_SHORT: [f32; 7] = [3.140625, 9.651184e-4, 2.5331974e-6, 1.9790605e-9, 5.1159077e-12, 1.0769163e-14, 1.1442378e-17];
+pub(crate) const PI_SHORT: [f32; 7] =
+    [3.140625, 9.651184e-4, 2.5331974e-6, 1.9790605e-9, 5.1159077e-12, 1.0769163e-14, 1.1442378e-17];
 
 /// A number that is lost when it is added to the square of any angle but 0.
 const TINY: f32 = 7.888609e-31;

@@ -177,7 +177,7 @@ fn picture(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     ui.separator();
     zoom_entries(ui, app, actions);
     ui.separator();
-    for backend in CHOICES {
+    for backend in CHOICES.iter().copied() {
         if ui.radio(app.backend() == backend, backend.title).clicked() {
             actions.push(Action::SetBackend(backend));
         }

@@ -151,7 +151,7 @@ fn program_ui(ui: &mut Ui, settings: &mut Settings, session: Option<&Location>) 
         ui.end_row();
         ui.label("Backend").on_hover_text("How formulas are evaluated");
         ui.horizontal(|ui| {
-            for backend in CHOICES {
+            for backend in CHOICES.iter().copied() {
                 ui.radio_value(&mut settings.backend, backend, backend.title);
             }
         });

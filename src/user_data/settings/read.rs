@@ -270,9 +270,12 @@ fn startup(value: Value) -> Result<Location, Diagnostic> {
 fn backend(value: Value) -> Result<BackendChoice, Diagnostic> {
     let text = value.text()?;
     backends::named(text).copied().ok_or_else(|| {
-        let names = backends::CHOICES.map(|choice| choice.name);
-        let hint = nearest(text, names).map(|near| format!("did you mean \"{near}\"?"));
-        let expected = names.map(|name| format!("\"{name}\"")).join(" or ");
+        if let Some(message) = backends::lacking(text) {
+            return Diagnostic::error(message).at(value.span, "another backend is needed");
+        }
+        let names = backends::CHOICES.iter().map(|choice| choice.name);
+        let hint = nearest(text, names.clone()).map(|near| format!("did you mean \"{near}\"?"));
+        let expected = names.map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(" or ");
         Diagnostic::error(format!("there is no backend \"{text}\"")).at(value.span, format!("expected {expected}")).help_if(hint)
     })
 }

@@ -8,7 +8,7 @@ use crate::jit::compile::CompiledSurface;
 use crate::jit::{CompiledFormula, Line};
 use crate::lang::scalars::flush;
 use crate::scene::BodyId;
-use crate::trace::{CoordinatesUse, HitVariables, Hits, LINE_HITS, Mismatch, PathId, ROUND_LINES, Tile, Tracer, replay};
+use crate::trace::{CoordinatesUse, HitVariables, LINE_HITS, Mismatch, PathId, ROUND_LINES, Tile, Tracer, replay};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -17,7 +17,7 @@ use std::ops::Range;
 const NONE: u32 = u32::MAX;
 
 /// The nodes of a tile.
-pub(in crate::backends::compiled) struct SurfaceTile {
+pub(in crate::backends) struct SurfaceTile {
     /// The nodes of each path, in the order of their pixels. Those of a path that left the scene have no values.
     pub(super) paths: Vec<Range<u32>>,
     /// The nodes on each body that has one.
@@ -51,21 +51,21 @@ impl SurfaceTile {
         size_of::<u16>() + size_of::<u32>() + size_of::<[f64; 3]>() + 9 * size_of::<f32>();
 
     /// The nodes of all tiles, with their static values, and these textures.
-    pub(in crate::backends::compiled) fn of_tiles(
+    pub(in crate::backends) fn of_tiles(
         compiled: &CompiledFormula,
         formula: &Formula,
         textures: &StaticTextures,
-        hits: &Hits,
+        tracer: &Tracer,
+        tiles: &[Tile],
     ) -> Result<Vec<Self>, Mismatch> {
         let (Some(plan), Some(compiled)) = (&compiled.plan.surface, &compiled.surface) else { return Ok(Vec::new()) };
-        let tracer = Tracer::new(&hits.world, &hits.view);
         let leaves = StaticLeaf::of(&plan.hits, &plan.bindings.graph, &formula.parameters);
         let of_tile = |tile: &Tile| {
             let mut made = Self::new(tile);
-            made.fill(compiled, &leaves, textures, &tracer, tile)?;
+            made.fill(compiled, &leaves, textures, tracer, tile)?;
             Ok(made)
         };
-        hits.tiles.par_iter().map(of_tile).collect()
+        tiles.par_iter().map(of_tile).collect()
     }
 
     /// The nodes of a tile, without values.
@@ -118,6 +118,23 @@ impl SurfaceTile {
             }
         }
         made
+    }
+
+    /// The static values of the nodes on bodies, line by line: 16 nodes of each column, then the next 16.
+    pub(in crate::backends) fn static_lines(&self) -> &[Line] {
+        &self.columns.lines()[..self.lines * self.columns.lines().len() / (self.lines + ROUND_LINES)]
+    }
+
+    /// How many lines of nodes on bodies there are.
+    pub(in crate::backends) fn node_lines(&self) -> u32 {
+        // A tile has fewer than 2³² hits.
+        self.lines as u32
+    }
+
+    /// The nodes of a path, with their pixels in the tile, in the order of their pixels.
+    pub(in crate::backends) fn nodes_of(&self, path: usize) -> impl Iterator<Item = (u32, u16)> {
+        let own = self.paths[path].clone();
+        own.clone().zip(self.pixels[own.start as usize..own.end as usize].iter().copied())
     }
 
     /// The node of a path in a pixel of the tile.
