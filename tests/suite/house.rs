@@ -32,7 +32,14 @@ const ROOMS: [(&str, &[&str]); 25] = [
     // Machine code knows the layout of hits, and how components become bytes.
     ("jit", &["simd", "texture", "lang", "formula", "plan", "trace", "picture"]),
     ("evaluate", &["texture", "lang", "formula", "scene", "world", "trace", "plan", "picture"]),
-    ("backends", &["lang", "formula", "scene", "world", "trace", "bytecode", "plan", "jit", "picture", "evaluate"]),
+    ("export", &["lang", "formula"]),
+    // The kernels of a graphics device are written in WGSL, and it has textures of its own.
+    (
+        "backends",
+        &[
+            "texture", "lang", "formula", "scene", "world", "trace", "bytecode", "plan", "jit", "picture", "evaluate", "export",
+        ],
+    ),
     ("engine", &["lang", "formula", "scene", "world", "trace", "picture", "evaluate", "backends"]),
     (
         "workspace",
@@ -40,7 +47,6 @@ const ROOMS: [(&str, &[&str]); 25] = [
     ),
     ("import", &["files", "lang", "mesh", "scene", "trace", "picture", "workspace"]),
     ("assist", &["lang", "formula", "scene", "workspace"]),
-    ("export", &["lang", "formula"]),
     // Settings name a backend, and the transfer of new sessions.
     ("user_data", &["files", "lang", "trace", "picture", "backends", "workspace"]),
     (
@@ -70,6 +76,8 @@ const ROOMS: [(&str, &[&str]); 25] = [
 /// window.
 const WIDGETS: (&[&str], &str) = (&["egui"], "src/preview");
 const WINDOWS: (&[&str], &str) = (&["minifb", "x11rb", "arboard"], "src/preview/window");
+/// The same for the library of graphics devices.
+const DEVICES: (&[&str], &str) = (&["wgpu"], "src/backends/gpu");
 
 /// The only file that writes to the terminal, and the file that draws progress with a library.
 const REPORT: &str = "src/cli/report.rs";
@@ -196,7 +204,7 @@ fn the_library_knows_nothing_of_terminals_and_windows() {
         for stranger in ["ariadne", "clap", "indicatif", "println", "eprintln", "stderr", "stdout"] {
             assert!(!words.contains(stranger), "{} names {stranger}", path.display());
         }
-        for (strangers, home) in [WIDGETS, WINDOWS] {
+        for (strangers, home) in [WIDGETS, WINDOWS, DEVICES] {
             let at_home = path.with_extension("").starts_with(home);
             let named = strangers.iter().find(|stranger| words.contains(**stranger));
             assert!(at_home || named.is_none(), "{} names {}", path.display(), named.unwrap_or(&""));

@@ -23,8 +23,11 @@ enum Held {
 }
 
 /// The bindings of each group of a kernel.
-const GROUPS: [&[Held]; 3] =
-    [&[Held::Uniform, Held::Read, Held::Read, Held::Read], &[Held::Read; 9], &[Held::Written, Held::Uniform]];
+const GROUPS: [&[Held]; 3] = [
+    &[Held::Uniform, Held::Read, Held::Read, Held::Read],
+    &[Held::Read; 9],
+    &[Held::Written, Held::Uniform],
+];
 
 /// How many buffers of a kernel are no uniforms.
 const STORAGE_BUFFERS: u32 = 13;
@@ -90,8 +93,9 @@ impl GraphicsDevice {
         let pipeline_layout =
             device.create_pipeline_layout(&PipelineLayoutDescriptor { bind_group_layouts: &groups, ..Default::default() });
         let name = info.name;
-        let mut own = Self { device, queue, name, largest, is_lost, layouts, pipeline_layout, keeps_subnormals: false };
-        own.keeps_subnormals = own.probe()?;
+        let mut own =
+            Self { device, queue, name, largest, is_lost, layouts, pipeline_layout, keeps_subnormals: false };
+        own.keeps_subnormals = own.probe().map_err(|error| error.to_string())?;
         Ok(own)
     }
 
@@ -198,30 +202,46 @@ impl GraphicsDevice {
     }
 
     /// Whether a product too small for a normal number is another than 0.
-    fn probe(&self) -> Result<bool, String> {
+    fn probe(&self) -> Result<bool, EvaluateError> {
         const PROBE: &str = "@group(0) @binding(0) var<storage, read_write> numbers: array<f32>;
             @compute @workgroup_size(1) fn multiply() { numbers[2] = numbers[0] * numbers[1]; }";
-        let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
-        let bytes = [1e-30_f32, 1e-10, 0.0, 0.0].map(f32::to_le_bytes).concat();
-        let product = self.guarded(|| {
-            let kernel = self.compiled(PROBE, "multiply", None);
-            let numbers = self.filled(storage, &bytes);
+        let numbers = [1e-30_f32, 1e-10, 0.0, 0.0];
+        Ok(self.computed(PROBE, "multiply", &[], &numbers, 1)?[2] != 0.0)
+    }
+
+    /// Runs a small kernel once. Its bindings are buffers of these numbers, and last one that it changes, which is
+    /// returned.
+    pub(super) fn computed(
+        &self,
+        text: &str,
+        entry: &str,
+        inputs: &[(BufferUsages, &[u8])],
+        changed: &[f32],
+        workgroups: u32,
+    ) -> Result<Vec<f32>, EvaluateError> {
+        self.guarded(|| {
+            let kernel = self.compiled(text, entry, None);
+            let bytes: &[u8] = bytemuck::cast_slice(changed);
+            let result = self.filled(BufferUsages::STORAGE | BufferUsages::COPY_SRC, bytes);
             let staging = self.empty(BufferUsages::MAP_READ | BufferUsages::COPY_DST, bytes.len() as u64);
-            let binding = wgpu::BindGroupEntry { binding: 0, resource: numbers.as_entire_binding() };
+            let inputs: Vec<Buffer> = inputs.iter().map(|(usage, bytes)| self.filled(*usage, bytes)).collect();
+            let entries: Vec<wgpu::BindGroupEntry> = (0..)
+                .zip(inputs.iter().chain([&result]))
+                .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+                .collect();
             let layout = &kernel.get_bind_group_layout(0);
-            let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &[binding] });
+            let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries });
             let mut encoder = self.device.create_command_encoder(&Default::default());
             {
                 let mut pass = encoder.begin_compute_pass(&Default::default());
                 pass.set_pipeline(&kernel);
                 pass.set_bind_group(0, &group, &[]);
-                pass.dispatch_workgroups(1, 1, 1);
+                pass.dispatch_workgroups(workgroups, 1, 1);
             }
-            encoder.copy_buffer_to_buffer(&numbers, 0, &staging, 0, bytes.len() as u64);
+            encoder.copy_buffer_to_buffer(&result, 0, &staging, 0, bytes.len() as u64);
             self.queue.submit([encoder.finish()]);
-            self.read(&staging, bytes.len() as u64, |bytes| bytemuck::pod_read_unaligned::<[f32; 4]>(bytes)[2])
-        });
-        product.and_then(|product| product).map(|product| product != 0.0).map_err(|error| error.to_string())
+            self.read(&staging, bytes.len() as u64, bytemuck::pod_collect_to_vec::<u8, f32>)
+        })?
     }
 }
 

@@ -10,6 +10,8 @@ mod numbers;
 mod pass;
 mod picture;
 mod tables;
+#[cfg(test)]
+mod tests;
 mod textures;
 mod wgsl;
 

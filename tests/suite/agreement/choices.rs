@@ -61,7 +61,7 @@ fn index(subject: &Subject, name: &str, owner: usize) -> usize {
 }
 
 #[test]
-fn every_pair_takes_its_own_branches() {
+pub(super) fn every_pair_takes_its_own_branches() {
     let (subject, mut numbers) = subject(MODELS, |name, owner| match name {
         "model" => Some((owner % 3) as f32),
         "shine" => Some(owner as f32 / 64.0),
@@ -93,7 +93,7 @@ fn every_pair_takes_its_own_branches() {
 }
 
 #[test]
-fn more_choices_than_variants_are_right_too() {
+pub(super) fn more_choices_than_variants_are_right_too() {
     // Six switches, and every ball has others: 64 choices.
     let switches: String = (0..6).map(|bit| format!("s{bit}: scalar, switch;")).collect();
     let sum: String = (0..6).map(|bit| format!("+ if(s{bit}, sin({}*alpha), 0.1*beta)", bit + 1)).collect();
@@ -114,7 +114,7 @@ fn more_choices_than_variants_are_right_too() {
 }
 
 #[test]
-fn formulas_that_choose_are_dragged() {
+pub(super) fn formulas_that_choose_are_dragged() {
     let (subject, start) = subject(MODELS, |name, owner| match name {
         "model" => Some((owner % 3) as f32),
         "kr" => Some(0.3),

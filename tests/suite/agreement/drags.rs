@@ -1,5 +1,6 @@
 //! Dragged sliders: each way to make a frame gives the picture of the general kernel.
 
+use crate::agreement::only_draws_in_full;
 use crate::agreement::formulas::{Case, SIZE, ingredients, number, runner};
 use illuminator::backends::verify::TOLERANCE;
 use illuminator::evaluate::{Evaluator, Framebuffer};
@@ -110,7 +111,7 @@ pub(super) fn drag(
 }
 
 #[test]
-fn random_drags_give_the_general_picture() {
+pub(super) fn random_drags_give_the_general_picture() {
     let view = prop::sample::select(&VIEWS[..]);
     let strategy = (ingredients(), any::<prop::sample::Index>(), any::<bool>(), proptest::collection::vec(number(), 4), view);
     let outcome = runner(600).run(&strategy, |((scalar, vector, result, numbers), which, all, values, view)| {
@@ -128,5 +129,6 @@ fn random_drags_give_the_general_picture() {
     if let Err(error) = outcome {
         panic!("{error}");
     }
-    assert!(methods[..2].iter().all(|count| *count > 20), "each way is tried: {methods:?}");
+    let all = methods[..2].iter().all(|count| *count > 20);
+    assert!(all || only_draws_in_full(), "each way is tried: {methods:?}");
 }

@@ -231,7 +231,7 @@ pub(super) fn check(case: &Case) -> Result<(), TestCaseError> {
 }
 
 #[test]
-fn random_formulas_agree() {
+pub(super) fn random_formulas_agree() {
     let outcome = runner(600)
         .run(&ingredients(), |(scalar, vector, result, numbers)| check(&Case::new([&scalar, &vector, &result], &numbers)?));
     let (excused, compared) = (EXCUSED.load(Ordering::Relaxed), COMPARED.load(Ordering::Relaxed));
@@ -243,7 +243,7 @@ fn random_formulas_agree() {
 }
 
 #[test]
-fn powers_of_cosines_just_below_one_are_exact() {
+pub(super) fn powers_of_cosines_just_below_one_are_exact() {
     // 0.99999994 is the largest number below 1. Its power by −1e9 is 7.7e25.
     for (exponent, least) in [(-1e9, 1e25), (-3e8, 1e7), (1e9, 0.0), (-0.0, 0.1)] {
         for power in ["(0.99999994*gety(N))^p", "(0.99999994*gety(N)*gety(N))^p", "(0.99999994*max(0, gety(N)))^p"] {

@@ -3,8 +3,7 @@
 
 use crate::agreement::drags::{VIEWS, together, wrong};
 use crate::agreement::formulas::{Case, SIZE, check, ingredients, number, runner};
-use crate::agreement::{backends, compiled};
-use illuminator::backends::compiled::Jit;
+use crate::agreement::{backends, compiled, only_draws_in_full};
 use illuminator::engine::{Engine, Subject, Task};
 use illuminator::evaluate::{Backend, DragBeginning, Evaluator, Framebuffer};
 use illuminator::picture::{Frame, Transfer};
@@ -53,7 +52,7 @@ const FORMULAS: [&str; 6] = [
 ];
 
 #[test]
-fn both_backends_agree_in_every_pass() {
+pub(super) fn both_backends_agree_in_every_pass() {
     let numbers = [0.3, 0.7, 0.5, 0.9, 0.2, 0.6, 0.8];
     for formula in FORMULAS {
         for pass in 0..3 {
@@ -65,7 +64,7 @@ fn both_backends_agree_in_every_pass() {
 }
 
 #[test]
-fn random_formulas_agree_in_every_pass() {
+pub(super) fn random_formulas_agree_in_every_pass() {
     let outcome = runner(150).run(&(ingredients(), 0..4_u32), |((scalar, vector, result, numbers), pass)| {
         let text = Case::text([&scalar, &vector, &result]);
         check(&Case::in_pass(text, &numbers, &backends(), SCENE, pass)?)
@@ -76,7 +75,7 @@ fn random_formulas_agree_in_every_pass() {
 }
 
 #[test]
-fn weights_of_rays_weigh_what_rays_see_of_the_environment() {
+pub(super) fn weights_of_rays_weigh_what_rays_see_of_the_environment() {
     let fresnel = "F0 = ((1-eta)/(1+eta))^2; F = if(total, 1, F0 + (1-F0)*(1-max(0,N.V))^5);";
     let formulas = [
         format!("{fresnel} reflected = kr*F; refracted = kt*(1-F); = IL*Cd*max(0, N.L);"),
@@ -94,7 +93,7 @@ fn weights_of_rays_weigh_what_rays_see_of_the_environment() {
 }
 
 #[test]
-fn drags_of_passes_with_weights_of_rays_give_their_mean() {
+pub(super) fn drags_of_passes_with_weights_of_rays_give_their_mean() {
     let backends = [compiled().pop().expect("a width")];
     for formula in [
         "reflected = kr*Cd; refracted = kt; = IL*Cd*max(0, N.L);",
@@ -180,7 +179,7 @@ fn drag(case: &Case, evaluator: &Arc<dyn Evaluator>, moved: &[usize], values: &[
 }
 
 #[test]
-fn random_drags_of_passes_give_their_mean() {
+pub(super) fn random_drags_of_passes_give_their_mean() {
     let backends = [compiled().pop().expect("a width")];
     let strategy = (ingredients(), any::<prop::sample::Index>(), any::<bool>(), proptest::collection::vec(number(), 2));
     let outcome = runner(200).run(&strategy, |((scalar, vector, result, numbers), which, all, values)| {
@@ -197,15 +196,15 @@ fn random_drags_of_passes_give_their_mean() {
     if let Err(error) = outcome {
         panic!("{error}");
     }
-    assert!(methods[0] > 10, "images are tried: {methods:?}");
+    assert!(methods[0] > 10 || only_draws_in_full(), "images are tried: {methods:?}");
 }
 
 #[test]
-fn passes_one_by_one_and_all_at_once_give_the_same_bits() {
+pub(super) fn passes_one_by_one_and_all_at_once_give_the_same_bits() {
     let formula = "body_specific; kd: scalar, constraint 0..1, default 0.5; formula; reflected = 0.2; = kd*IL*Cd*max(0, N.L);";
     let subject = Subject::parse(formula, SCENE, View::new(60, 40).expect("a size")).expect("sound texts");
     let values = Values::defaults(&subject.formula, subject.world.scene());
-    let engine = Engine::new(Arc::new(Jit::default()));
+    let engine = Engine::new(compiled().pop().expect("a width"));
     let mean = engine.picture(&subject, values.numbers(), 5, &Task::UNWATCHED).expect("small enough");
     let mut evaluator = engine.evaluator(&subject, values.numbers(), &Task::UNWATCHED).expect("small enough");
     let never = AtomicBool::new(false);

@@ -54,7 +54,7 @@ fn near(found: Vec<[f32; 3]>, expected: [f64; 3]) {
 }
 
 #[test]
-fn glass_obeys_fresnel() {
+pub(super) fn glass_obeys_fresnel() {
     let glass = format!("formula; {GLASS} = Cd;");
     let background = |share: f64| [share, 0.5 * share, 0.25 * share];
     // Seen straight on, F is 0.04; at 60° it is 0.04 + 0.96/32 = 0.07. What is not reflected passes.
@@ -70,7 +70,7 @@ fn glass_obeys_fresnel() {
 }
 
 #[test]
-fn places_on_surfaces_are_those_of_the_manual() {
+pub(super) fn places_on_surfaces_are_those_of_the_manual() {
     // The camera looks along −z at the origin.
     let at =
         |body: &str, expected: [f64; 3]| near(pixel_of(body, "formula; emission = <u, v, 0>; = Cd;", 1, &["ka=0"]), expected);
@@ -86,7 +86,7 @@ fn places_on_surfaces_are_those_of_the_manual() {
 }
 
 #[test]
-fn mirrors_are_coloured_and_zero_cuts_exactly() {
+pub(super) fn mirrors_are_coloured_and_zero_cuts_exactly() {
     near(pixel("formula; reflected = <0.5, 1, 0>; refracted = 0; = Cd;", 0.0, 2, &[]), [0.5, 0.5, 0.0]);
     near(pixel("formula; reflected = Cd*kr; = Cd;", 0.0, 2, &["plate.Cd=<0.2, 0.4, 0.8>", "plate.kt=0"]), [0.2, 0.2, 0.2]);
     // kr and kt are the weights that the formula does not give.
@@ -99,7 +99,7 @@ fn mirrors_are_coloured_and_zero_cuts_exactly() {
 }
 
 #[test]
-fn ambient_light_and_emission_need_no_light() {
+pub(super) fn ambient_light_and_emission_need_no_light() {
     let formula = "formula; ambient = Cd*<0.5, 0.25, 1>; emission = <0.1, 0, (N.V > 0.9)>; = Cd;";
     near(pixel(formula, 0.0, 1, &["plate.Cd=<0.2, 0.4, 0.8>", "ka=1"]), [0.2, 0.1, 1.8]);
     near(
@@ -145,7 +145,7 @@ fn case(terms: &str) -> Case {
 }
 
 #[test]
-fn unbounded_weights_follow_the_recursion() {
+pub(super) fn unbounded_weights_follow_the_recursion() {
     let mirror = |weight: &str, background: &str| {
         let formula = format!("formula; reflected = {weight}; refracted = 0; = Cd;");
         pixel(&formula, 0.0, 2, &[background])
@@ -167,7 +167,7 @@ fn unbounded_weights_follow_the_recursion() {
 }
 
 #[test]
-fn backends_agree() {
+pub(super) fn backends_agree() {
     for terms in TERMS.iter().chain(&UNBOUNDED) {
         check(&case(terms)).unwrap_or_else(|error| panic!("{terms}: {error}"));
     }
@@ -199,7 +199,7 @@ fn of_hit(text: &str) -> String {
 }
 
 #[test]
-fn random_terms_of_hits_agree() {
+pub(super) fn random_terms_of_hits_agree() {
     let term = |ty: Type| expression(ty, 3, false).prop_map(|text| of_hit(&text));
     let strategy = (
         term(Type::Vector),
@@ -225,7 +225,7 @@ fn random_terms_of_hits_agree() {
 }
 
 #[test]
-fn drags_give_the_general_picture() {
+pub(super) fn drags_give_the_general_picture() {
     for terms in TERMS.iter().chain(&UNBOUNDED) {
         let case = case(terms);
         for index in 0..case.layout.len() {

@@ -93,7 +93,7 @@ fn near(formula: &str, expected: [f64; 3]) {
 }
 
 #[test]
-fn colours_are_those_of_the_reference() {
+pub(super) fn colours_are_those_of_the_reference() {
     const NO_RAYS: &str = "reflected = 0; refracted = 0;";
     for (coordinates, u, v) in [
         ("u, v", 0.75, 0.25),
@@ -120,7 +120,7 @@ fn colours_are_those_of_the_reference() {
 }
 
 #[test]
-fn drags_and_views_agree_with_the_interpreter() {
+pub(super) fn drags_and_views_agree_with_the_interpreter() {
     let text = "global; g: scalar, constraint -1..50; body_specific; p: scalar; q: scalar, constraint 0..1; v: vector;
         wood: texture; light_specific; slide: texture;
         formula; reflected = kr*wood(u, 4*q); refracted = kt*0.5; emission = q*wood(3*u, getx(point));
@@ -138,7 +138,7 @@ fn drags_and_views_agree_with_the_interpreter() {
 
 /// What lies in columns or images is looked up again, and a replaced texture can come back.
 #[test]
-fn textures_are_replaced_while_a_slider_is_held() {
+pub(super) fn textures_are_replaced_while_a_slider_is_held() {
     let text = "body_specific; p: scalar; q: scalar, constraint 0..1; wood: texture; light_specific; slide: texture;
         formula; emission = q*wood(3*u, v); = IL*Cd*wood(u, v)*slide(u, beta)*max(0, N.L)^p + p*wood(p*u, v);";
     let numbers = [0.31, 0.77, 0.55, 0.93, 0.12, 0.68, 0.41, 0.86, 0.23, 0.6, 0.97];

@@ -4,6 +4,7 @@
 //! [`nodes`] writes. `functions.wgsl` holds the operations that WGSL leaves to the device. They follow those of compiled
 //! code and have their coefficients.
 
+mod needed;
 mod nodes;
 
 use crate::export::wgsl_noise;
@@ -93,10 +94,7 @@ pub(super) fn kernel(plan: &FormulaPlan, keeps_subnormals: bool) -> String {
         .replace("@REFLECTED@", &weighed(0, "reflected"))
         .replace("@REFRACTED@", &weighed(1, "refracted"))
         .replace("@LEVELS@", &(MAX_DEPTH + 1).to_string());
-    let functions = functions(keeps_subnormals);
-    // Its table takes memory of each pixel.
-    let noise = if picture.contains("noise_sum(") { wgsl_noise() } else { String::new() };
-    [picture, functions, noise].join("\n")
+    needed::with_definitions(picture, &definitions(keeps_subnormals))
 }
 
 /// The statements for what a formula gives at a hit, and whether it gives the weights of rays.
@@ -125,20 +123,18 @@ fn column(columns: &str, first: &str, index: usize) -> String {
     format!("{columns}[{first} + {}u]", 16 * index)
 }
 
-/// The functions that the kernel calls.
-fn functions(keeps_subnormals: bool) -> String {
-    let mut text = String::new();
-    for (name, number) in CONSTANTS {
-        let _ = writeln!(text, "const {name}: f32 = {number:?};");
-    }
-    for (name, coefficients) in POLYNOMIALS {
+/// The functions that kernels call.
+fn definitions(keeps_subnormals: bool) -> Vec<String> {
+    let constants = CONSTANTS.iter().map(|(name, number)| format!("const {name}: f32 = {number:?};"));
+    let polynomials = POLYNOMIALS.iter().map(|(name, coefficients)| {
         let mut descending = coefficients.iter().rev();
         let first = descending.next().map(|number| format!("{number:?}")).unwrap_or_default();
         let sum = descending.fold(first, |sum, number| format!("({sum}) * x + {number:?}"));
-        let _ = writeln!(text, "fn polynomial_{name}(x: f32) -> f32 {{ return {sum}; }}");
-    }
+        format!("fn polynomial_{name}(x: f32) -> f32 {{ return {sum}; }}")
+    });
     let strict = if keeps_subnormals { SUBNORMALS_AS_ZERO } else { AS_IT_IS };
-    [&text, strict, FUNCTIONS].join("\n")
+    let functions = FUNCTIONS.split("\n\n").map(str::to_owned);
+    constants.chain(polynomials).chain([strict.to_owned()]).chain(functions).chain([wgsl_noise()]).collect()
 }
 
 /// Keeps a result from being changed by the compiler.
@@ -149,3 +145,35 @@ const SUBNORMALS_AS_ZERO: &str = "fn strict(x: f32) -> f32 {
     return bitcast<f32>(select(bits, bits & SIGN, (bits & INFINITE) == 0u));
 }
 ";
+
+/// A kernel that computes a primitive once for each row of operands, and keeps the results.
+#[cfg(test)]
+pub(super) fn primitive_kernel(primitive: crate::lang::scalars::Primitive, keeps_subnormals: bool) -> String {
+    use crate::formula::ParameterId;
+    use crate::formula::graph::{Graph, Node, NodeId};
+    use crate::lang::scalars::Primitive;
+    use crate::plan::{Domain, KernelPlan, Sink};
+    let mut graph = Graph::empty(Vec::new().into());
+    let leaf = |graph: &mut Graph, index: usize| graph.insert(Node::Parameter(ParameterId(index as u32), 0));
+    let leaves: Vec<NodeId> = (0..primitive.arity()).map(|index| leaf(&mut graph, index)).collect();
+    let mut operands = [NodeId(0); Primitive::MAX_ARITY];
+    operands[..leaves.len()].copy_from_slice(&leaves);
+    let output = graph.insert(Node::Apply(primitive, operands));
+    let streams = [leaves.clone(), Vec::new(), Vec::new()];
+    let (domain, sink) = (Domain::Hits, Sink::Columns);
+    let plan = KernelPlan { name: "test", domain, streams, uniforms: Vec::new(), outputs: vec![output], sink };
+    let mut statements = Statements::new(&plan, &graph);
+    statements.load(&leaves, |index| format!("operands[id.x * {}u + {index}u]", leaves.len()));
+    statements.compute(&plan.outputs);
+    let (body, result) = (statements.take(), statements.number(output));
+    let text = format!(
+        "@group(0) @binding(0) var<uniform> frame: Frame;
+struct Frame {{ zero: u32 }}
+@group(0) @binding(1) var<storage, read> operands: array<f32>;
+@group(0) @binding(2) var<storage, read_write> results: array<f32>;
+@compute @workgroup_size(1) fn compute(@builtin(global_invocation_id) id: vec3<u32>) {{
+{body}        results[id.x] = opaque(bitcast<u32>({result}));
+}}"
+    );
+    needed::with_definitions(text, &definitions(keeps_subnormals))
+}
