@@ -100,7 +100,7 @@ pub(super) struct PictureOptions {
 /// What evaluates the formula.
 #[derive(Args, Debug)]
 pub(super) struct BackendOptions {
-    /// Backend that evaluates the formula: compiled code, the reference interpreter, or a graphics device
+    /// Backend that evaluates the formula: compiled code, or the reference interpreter
     #[arg(long, default_value = DEFAULT.name, value_parser = BackendParser)]
     pub(super) backend: BackendChoice,
 }

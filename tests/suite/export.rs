@@ -46,7 +46,7 @@ const MORE: [(&str, &str); 10] = [
 ];
 
 /// All formulas of these tests: their names and texts.
-fn formulas() -> Vec<(String, Formula)> {
+pub(super) fn formulas() -> Vec<(String, Formula)> {
     let built_in = presets::names(FileKind::Formula);
     let built_in = built_in.map(|name| (name.to_owned(), presets::text(FileKind::Formula, name).expect("a built-in formula")));
     let more = MORE.iter().map(|(name, text)| ((*name).to_owned(), *text));
@@ -73,7 +73,12 @@ fn the_formulas_of_these_tests_have_every_operation() {
 }
 
 /// The value of an expression by the reference meaning.
-fn value(formula: &Formula, root: TermId, variables: &HashMap<Variable, [f32; 3]>, parameters: &[[f32; 3]]) -> [f32; 3] {
+pub(super) fn value(
+    formula: &Formula,
+    root: TermId,
+    variables: &HashMap<Variable, [f32; 3]>,
+    parameters: &[[f32; 3]],
+) -> [f32; 3] {
     term_values(formula, &|variable| variables[&variable], &|id| parameters[id.0 as usize])[root.0 as usize]
 }
 
@@ -96,7 +101,7 @@ fn between(low: f64, high: f64, rng: &mut TestRng) -> f64 {
 }
 
 /// Variables of a hit and a light. Those that follow from others do so in double precision.
-fn variables(rng: &mut TestRng) -> HashMap<Variable, [f32; 3]> {
+pub(super) fn variables(rng: &mut TestRng) -> HashMap<Variable, [f32; 3]> {
     let mut any = |low: f64, high: f64| [0; 3].map(|_| between(low, high, rng));
     let normal = unit(any(-1.0, 1.0));
     let side = |v: [f64; 3]| if dot(v, normal) < 0.0 { v.map(|x| -x) } else { v };
@@ -132,7 +137,7 @@ fn variables(rng: &mut TestRng) -> HashMap<Variable, [f32; 3]> {
 }
 
 /// Values of all parameters, within their ranges.
-fn parameters(formula: &Formula, rng: &mut TestRng) -> Vec<[f32; 3]> {
+pub(super) fn parameters(formula: &Formula, rng: &mut TestRng) -> Vec<[f32; 3]> {
     let mut of = |id| {
         let parameter = formula.parameter(id);
         let [low, high] = parameter.range.unwrap_or([-1.0, 3.0]);
@@ -201,7 +206,7 @@ fn program(text: &str, roots: &[(String, TermId)], samples: &[Sample], formula: 
 }
 
 /// The variables and the parameters of a call.
-type Sample = (HashMap<Variable, [f32; 3]>, Vec<[f32; 3]>);
+pub(super) type Sample = (HashMap<Variable, [f32; 3]>, Vec<[f32; 3]>);
 
 #[test]
 fn c_computes_what_formulas_mean() {

@@ -36,9 +36,7 @@ const ROOMS: [(&str, &[&str]); 25] = [
     // The kernels of a graphics device are written in WGSL, and it has textures of its own.
     (
         "backends",
-        &[
-            "texture", "lang", "formula", "scene", "world", "trace", "bytecode", "plan", "jit", "picture", "evaluate", "export",
-        ],
+        &["texture", "lang", "formula", "scene", "world", "trace", "bytecode", "plan", "jit", "picture", "evaluate", "export"],
     ),
     ("engine", &["lang", "formula", "scene", "world", "trace", "picture", "evaluate", "backends"]),
     (

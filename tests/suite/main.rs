@@ -3,6 +3,8 @@
 
 mod agreement;
 mod export;
+#[cfg(feature = "gpu")]
+mod gpu_shaders;
 mod grammars;
 mod house;
 mod inspection;

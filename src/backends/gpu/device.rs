@@ -7,6 +7,7 @@ use std::pin::pin;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::task::{Context, Poll, Waker};
+use std::time::Instant;
 use wgpu::{
     BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BindingType, Buffer, BufferBindingType, BufferDescriptor,
     BufferUsages, ComputePipeline, ComputePipelineDescriptor, DeviceDescriptor, ErrorFilter, Instance, InstanceDescriptor,
@@ -23,11 +24,8 @@ enum Held {
 }
 
 /// The bindings of each group of a kernel.
-const GROUPS: [&[Held]; 3] = [
-    &[Held::Uniform, Held::Read, Held::Read, Held::Read],
-    &[Held::Read; 9],
-    &[Held::Written, Held::Uniform],
-];
+const GROUPS: [&[Held]; 3] =
+    [&[Held::Uniform, Held::Read, Held::Read, Held::Read], &[Held::Read; 9], &[Held::Written, Held::Uniform]];
 
 /// How many buffers of a kernel are no uniforms.
 const STORAGE_BUFFERS: u32 = 13;
@@ -93,8 +91,7 @@ impl GraphicsDevice {
         let pipeline_layout =
             device.create_pipeline_layout(&PipelineLayoutDescriptor { bind_group_layouts: &groups, ..Default::default() });
         let name = info.name;
-        let mut own =
-            Self { device, queue, name, largest, is_lost, layouts, pipeline_layout, keeps_subnormals: false };
+        let mut own = Self { device, queue, name, largest, is_lost, layouts, pipeline_layout, keeps_subnormals: false };
         own.keeps_subnormals = own.probe().map_err(|error| error.to_string())?;
         Ok(own)
     }
@@ -199,6 +196,34 @@ impl GraphicsDevice {
         drop(mapped);
         buffer.unmap();
         Ok(taken)
+    }
+
+    /// How many bytes it reads and writes in a second, when it copies within its memory.
+    ///
+    /// # Errors
+    /// It fails, or has too little memory.
+    pub(super) fn bandwidth(&self) -> Result<f64, EvaluateError> {
+        const ROUNDS: u32 = 8;
+        let bytes = self.largest.min(256 << 20);
+        self.guarded(|| {
+            let [from, to] = [(); 2].map(|()| self.empty(BufferUsages::COPY_SRC | BufferUsages::COPY_DST, bytes));
+            let copy = || {
+                let mut encoder = self.device.create_command_encoder(&Default::default());
+                encoder.copy_buffer_to_buffer(&from, 0, &to, 0, bytes);
+                self.queue.submit([encoder.finish()]);
+            };
+            let wait = || {
+                let waited = self.device.poll(PollType::wait_indefinitely());
+                waited.map_err(|error| self.error(&error.to_string()))
+            };
+            // The first use of memory takes longer.
+            copy();
+            wait()?;
+            let start = Instant::now();
+            (0..ROUNDS).for_each(|_| copy());
+            wait()?;
+            Ok(2.0 * bytes as f64 * f64::from(ROUNDS) / start.elapsed().as_secs_f64())
+        })?
     }
 
     /// Whether a product too small for a normal number is another than 0.

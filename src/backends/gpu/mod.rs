@@ -48,6 +48,22 @@ pub struct Gpu {
     kernels: Mutex<Vec<DeviceKernel>>,
 }
 
+/// Runs a kernel of other WGSL once on the device of the machine: `entry`, for this many workgroups. Its first binding
+/// are these numbers, and its second one are the results, 0 at first.
+///
+/// # Errors
+/// There is no device, or the text is not WGSL.
+pub fn compute_once(
+    text: &str,
+    entry: &str,
+    numbers: &[f32],
+    results: usize,
+    workgroups: u32,
+) -> Result<Vec<f32>, EvaluateError> {
+    let input = (wgpu::BufferUsages::STORAGE, bytemuck::cast_slice(numbers));
+    GraphicsDevice::shared()?.computed(text, entry, &[input], &vec![0.0; results], workgroups)
+}
+
 /// The kernel of a formula on a device.
 #[derive(Clone)]
 struct DeviceKernel {

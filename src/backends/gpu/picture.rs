@@ -13,6 +13,7 @@ use crate::trace::{Hits, Mismatch, View};
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 use wgpu::{BindGroup, BindGroupDescriptor, BindGroupEntry, Buffer, BufferBinding, BufferUsages, CommandEncoder, PollType};
 
 /// The bytes of a pixel on the device: three numbers.
@@ -76,8 +77,38 @@ impl DevicePicture {
         Ok(own)
     }
 
+    /// The same with one more pass. The passes so far are shared.
+    ///
+    /// # Errors
+    /// The hits belong to another scene, their view differs in more than the pass, or the device has too little memory.
+    pub fn with_one_more(&self, hits: &Arc<Hits>) -> Result<Self, EvaluateError> {
+        let own = &self.hits[0];
+        if !Arc::ptr_eq(&own.world, &hits.world) || own.view != hits.view.with_pass(own.view.pass()) {
+            return Err(Mismatch.into());
+        }
+        let stored = self.stored();
+        let pass = Arc::new(self.formula.pass(&self.device, &stored.textures, hits)?);
+        let passes = stored.passes.iter().cloned().chain([pass]).collect();
+        Ok(Self {
+            device: Arc::clone(&self.device),
+            formula: Arc::clone(&self.formula),
+            hits: self.hits.iter().chain([hits]).cloned().collect(),
+            stored: Mutex::new(Arc::new(StoredPasses { textures: stored.textures.clone(), passes })),
+            textures: Mutex::new(self.textures.lock().unwrap_or_else(PoisonError::into_inner).clone()),
+            free: Mutex::default(),
+        })
+    }
+
     fn view(&self) -> View {
         self.hits[0].view
+    }
+
+    /// How many bytes the device copies in a second, within its memory: what a frame cannot exceed.
+    ///
+    /// # Errors
+    /// The device fails.
+    pub fn bandwidth(&self) -> Result<f64, EvaluateError> {
+        self.device.bandwidth()
     }
 
     /// The name of the device.
@@ -85,7 +116,8 @@ impl DevicePicture {
         self.device.name()
     }
 
-    /// The bytes that the device reads and writes for a frame at least, if it reads every number once.
+    /// The bytes that the device keeps for a frame, and those of the picture. A frame reads and writes each of them once;
+    /// it leaves out rays whose weight is 0.
     pub fn frame_bytes(&self) -> u64 {
         let passes = &self.stored().passes;
         passes.iter().map(|pass| pass.device_bytes()).sum::<u64>() + u64::from(self.view().pixels()) * PIXEL_BYTES
@@ -139,13 +171,14 @@ impl DevicePicture {
         })
     }
 
-    /// Adds up some passes. `None` once it is cancelled.
-    fn evaluated(
+    /// Adds up some passes and does what follows with the picture on the device. `None` once it is cancelled.
+    fn evaluated<T>(
         &self,
         passes: Range<usize>,
         parameters: &[f32],
         cancelled: &AtomicBool,
-    ) -> Result<Option<Frame>, EvaluateError> {
+        then: impl FnOnce(&FrameMemory) -> Result<T, EvaluateError>,
+    ) -> Result<Option<T>, EvaluateError> {
         let equation = self.formula.equation(&self.hits[0].world);
         let values = FrameValues::new(&self.formula.compiled, &equation, &self.formula.leaves, parameters);
         let stored = self.passes_with(parameters)?;
@@ -159,7 +192,7 @@ impl DevicePicture {
                     return Ok(None);
                 }
                 let mut encoder = self.device.device().create_command_encoder(&Default::default());
-                self.encode(&mut encoder, &stored.passes[index], &values, &memory, &numbers, index > passes.start);
+                self.encode(&mut encoder, &stored.passes[index], &values, (&memory, &numbers), index > passes.start);
                 let submitted = self.device.queue().submit([encoder.finish()]);
                 // The next pass is encoded while the device computes this one, and no more wait for it.
                 if let Some(submission_index) = before.replace(submitted) {
@@ -167,10 +200,24 @@ impl DevicePicture {
                     self.device.device().poll(wait).map_err(|error| self.device.error(&error.to_string()))?;
                 }
             }
-            self.read(&memory).map(Some)
+            then(&memory).map(Some)
         })??;
         self.free.lock().unwrap_or_else(PoisonError::into_inner).push(memory);
         Ok(done)
+    }
+
+    /// How long the device takes for a frame of these parameter numbers, from giving it the numbers until the picture is
+    /// there, which is not read back.
+    ///
+    /// # Errors
+    /// The device fails.
+    pub fn time_on_device(&self, parameters: &[f32]) -> Result<Duration, EvaluateError> {
+        let start = Instant::now();
+        self.evaluated(0..self.hits.len(), parameters, &AtomicBool::new(false), |_| {
+            let waited = self.device.device().poll(PollType::wait_indefinitely());
+            waited.map(|_| ()).map_err(|error| self.device.error(&error.to_string()))
+        })?;
+        Ok(start.elapsed())
     }
 
     /// Gives the device the numbers of a frame.
@@ -201,8 +248,7 @@ impl DevicePicture {
         encoder: &mut CommandEncoder,
         pass: &DevicePass,
         values: &FrameValues,
-        memory: &FrameMemory,
-        numbers: &BindGroup,
+        (memory, numbers): (&FrameMemory, &BindGroup),
         adds: bool,
     ) {
         let mut calls = encoder.begin_compute_pass(&Default::default());
@@ -251,28 +297,15 @@ impl Evaluator for DevicePicture {
     }
 
     fn with_pass(&self, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError> {
-        let own = &self.hits[0];
-        if !Arc::ptr_eq(&own.world, &hits.world) || own.view != hits.view.with_pass(own.view.pass()) {
-            return Err(Mismatch.into());
-        }
-        let stored = self.stored();
-        let pass = Arc::new(self.formula.pass(&self.device, &stored.textures, hits)?);
-        let passes = stored.passes.iter().cloned().chain([pass]).collect();
-        Ok(Arc::new(Self {
-            device: Arc::clone(&self.device),
-            formula: Arc::clone(&self.formula),
-            hits: self.hits.iter().chain([hits]).cloned().collect(),
-            stored: Mutex::new(Arc::new(StoredPasses { textures: stored.textures.clone(), passes })),
-            textures: Mutex::new(self.textures.lock().unwrap_or_else(PoisonError::into_inner).clone()),
-            free: Mutex::default(),
-        }))
+        Ok(Arc::new(self.with_one_more(hits)?))
     }
 
     /// If the device fails, all colours are NaN.
     fn sum(&self, passes: Range<usize>, parameters: &[f32], cancelled: &AtomicBool) -> Option<Frame> {
         let layout = self.formula.equation(&self.hits[0].world).layout;
         assert!(parameters.len() >= layout.len(), "as many parameter numbers as the formula and the scene have");
-        self.evaluated(passes, parameters, cancelled).unwrap_or_else(|_| Some(self.undefined()))
+        let frame = self.evaluated(passes, parameters, cancelled, |memory| self.read(memory));
+        frame.unwrap_or_else(|_| Some(self.undefined()))
     }
 
     fn draw(&self, parameters: &[f32], framebuffer: &mut Framebuffer) -> Drawn {

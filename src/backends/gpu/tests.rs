@@ -68,7 +68,8 @@ fn kernels_are_sound_texts() {
         for keeps_subnormals in [false, true] {
             let text = kernel(&FormulaPlan::new(&formula), keeps_subnormals);
             let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
-            let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());
+            let mut validator =
+                naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());
             validator.validate(&module).unwrap_or_else(|error| panic!("{error:?}\n{text}"));
         }
     }

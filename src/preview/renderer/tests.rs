@@ -181,7 +181,7 @@ fn pixels_without_a_number_are_counted_by_both_backends() {
     wanted.subject.formula = Arc::new(formula);
     let values = values.carry_over(&wanted.subject.formula, wanted.subject.world.scene()).0;
     let mut counts = Vec::new();
-    for backend in CHOICES.iter().copied() {
+    for backend in CHOICES {
         wanted.engine = Engine::new(backend.make());
         let stamp = renderer.show(wanted.clone(), values.numbers());
         wait_for(&renderer, stamp);

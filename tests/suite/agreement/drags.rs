@@ -1,7 +1,7 @@
 //! Dragged sliders: each way to make a frame gives the picture of the general kernel.
 
-use crate::agreement::only_draws_in_full;
 use crate::agreement::formulas::{Case, SIZE, ingredients, number, runner};
+use crate::agreement::only_draws_in_full;
 use illuminator::backends::verify::TOLERANCE;
 use illuminator::evaluate::{Evaluator, Framebuffer};
 use illuminator::formula::Parameter;

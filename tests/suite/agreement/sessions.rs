@@ -1,7 +1,7 @@
 //! Dragged sliders of built-in models and scenes: methods, budgets, and numbers that change during a drag.
 
-use crate::agreement::{backends, only_draws_in_full};
 use crate::agreement::drags::{VIEWS, wrong};
+use crate::agreement::{backends, only_draws_in_full};
 use illuminator::backends::DEFAULT;
 use illuminator::backends::interpreter::Interpreted;
 use illuminator::backends::verify::verify;
@@ -27,7 +27,7 @@ pub(super) struct Tested {
 
 impl Tested {
     /// Whether a drag has this method, or the backend draws every picture in full.
-    pub(super) fn drags_by(&self, drag: &Box<dyn Drag>, method: Method) -> bool {
+    pub(super) fn drags_by(&self, drag: &dyn Drag, method: Method) -> bool {
         drag.method() == method || only_draws_in_full() && drag.method() == Method::General
     }
 }
@@ -150,7 +150,7 @@ fn every_slider_is_dragged_by_its_method_by(tested: &Tested) {
         for ((slider, method), view) in sliders.iter().flat_map(|slider| VIEWS.map(|view| (slider, view))) {
             let what = format!("{slider} of {formula}, {view:?}");
             let mut drag = model.drag(slider, usize::MAX);
-            assert!(tested.drags_by(&drag, *method), "{what}");
+            assert!(tested.drags_by(&*drag, *method), "{what}");
             assert!(!drag.is_ready() || drag.method() == Method::General, "{what}");
             let mut drawn = Framebuffer::black(model.size[0], model.size[1], view);
             // Before, during and after the preparation.
@@ -298,7 +298,7 @@ fn formulas_of_exponential_size_are_dragged_by(tested: &Tested) {
         );
         let mut model = Model::new(tested, &Source::new("doubled", text));
         let mut drag = model.drag("floor.kd", usize::MAX);
-        assert!(tested.drags_by(&drag, method));
+        assert!(tested.drags_by(&*drag, method));
         while !drag.prepare() {}
         let mut drawn = model.black();
         for part in [0.1, 0.5, 0.9] {

@@ -144,7 +144,7 @@ pub(super) fn formulas_that_read_visible_are_dragged() {
             ("key.IL", Method::Images),
         ] {
             let mut drag = model.drag(slider, usize::MAX);
-            assert!(tested.drags_by(&drag, method), "{slider}");
+            assert!(tested.drags_by(&*drag, method), "{slider}");
             let mut drawn = model.black();
             for part in [0.1, 0.8] {
                 model.move_to(slider, part);

@@ -48,7 +48,8 @@ mod tests {
 
     #[test]
     fn definitions_come_with_those_that_they_need() {
-        let definitions = ["fn one() { two(); }", "const TWO: f32 = 2.0;", "fn two() { TWO; }", "fn three() {}", "fn twofold() {}"];
+        let definitions =
+            ["fn one() { two(); }", "const TWO: f32 = 2.0;", "fn two() { TWO; }", "fn three() {}", "fn twofold() {}"];
         let text = with_definitions("one".to_owned(), &definitions.map(str::to_owned));
         assert!(["fn one", "fn two()", "TWO: f32"].iter().all(|needed| text.contains(needed)), "{text}");
         assert!(!text.contains("three") && !text.contains("twofold"), "{text}");
