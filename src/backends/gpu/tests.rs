@@ -20,8 +20,9 @@ const UNITS: u32 = 8;
 fn agree(one: f32, other: f32, slack: f32) -> bool {
     let near = one.is_sign_negative() == other.is_sign_negative() && one.to_bits().abs_diff(other.to_bits()) <= UNITS;
     let tiny = |x: f32| x.abs() <= f32::MIN_POSITIVE * (1.0 + UNITS as f32 * f32::EPSILON);
-    let close = (one - other).abs() <= slack * other.abs().max(1.0);
-    one == other || (one.is_nan() && other.is_nan()) || (near && !one.is_nan()) || (tiny(one) && tiny(other)) || close
+    let close = slack > 0.0 && (one - other).abs() <= slack * other.abs().max(1.0);
+    let same = one == other && (one != 0.0 || one.is_sign_negative() == other.is_sign_negative());
+    same || (one.is_nan() && other.is_nan()) || (near && !one.is_nan()) || (tiny(one) && tiny(other) && one != other) || close
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Random well-typed formulas, parameter values and scenes: compiled code must agree with the interpreter.
 
-use crate::agreement::backends;
+use crate::agreement::{backends, only_draws_in_full};
 use illuminator::backends::interpreter::Interpreted;
 use illuminator::backends::verify::verify;
 use illuminator::engine::{Engine, Subject, Task};
@@ -207,6 +207,8 @@ pub(super) fn ingredients() -> impl Strategy<Value = (String, String, String, Ve
 /// Every run has the same formulas, so that a failure is caused by a change of the code. `PROPTEST_CASES=20000` tries
 /// more of them.
 pub(super) fn runner(cases: u32) -> TestRunner {
+    // A device in software takes its time.
+    let cases = if only_draws_in_full() { cases / 5 } else { cases };
     let wanted = std::env::var("PROPTEST_CASES").ok().and_then(|cases| cases.parse().ok());
     let config = ProptestConfig {
         cases: wanted.unwrap_or(cases),

@@ -39,8 +39,7 @@ tests_of_every_backend! {
         ambient_light_and_emission_need_no_light,
         unbounded_weights_follow_the_recursion,
         backends_agree,
-        random_terms_of_hits_agree,
-        drags_give_the_general_picture;
+        random_terms_of_hits_agree;
     textures: colours_are_those_of_the_reference,
         drags_and_views_agree_with_the_interpreter,
         textures_are_replaced_while_a_slider_is_held;

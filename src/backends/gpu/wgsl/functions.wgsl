@@ -18,8 +18,10 @@ fn divided(x: f32, y: f32) -> f32 {
     let b = y * scale;
     let quotient = a / b;
     let better = quotient + fma(-quotient, b, a) / b;
-    let is_better = (bitcast<u32>(better) & MAGNITUDE) < INFINITE && (bitcast<u32>(quotient) & MAGNITUDE) < INFINITE;
-    return strict(select(quotient, better, is_better));
+    // A zero keeps its sign.
+    let is_better = quotient != 0.0 && (bitcast<u32>(better) & MAGNITUDE) < INFINITE;
+    let is_finite = (bitcast<u32>(quotient) & MAGNITUDE) < INFINITE;
+    return strict(select(quotient, better, is_better && is_finite));
 }
 
 // The smaller of x and a limit, and the greater one. NaN stays NaN.
