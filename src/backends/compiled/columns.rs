@@ -176,6 +176,7 @@ impl Columns {
     }
 
     /// The lines of the columns alone.
+    #[cfg(feature = "gpu")]
     pub(in crate::backends) fn own_lines(&self) -> &[Line] {
         &self.memory.lines()[self.lines.clone()]
     }

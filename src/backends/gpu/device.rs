@@ -15,17 +15,20 @@ use wgpu::{
     ShaderSource, ShaderStages,
 };
 
-/// What a group of bindings holds: buffers of numbers, in the order of their indices.
+/// What a buffer of a group of bindings is.
 #[derive(Clone, Copy)]
-enum Held {
+enum BufferKind {
     Uniform,
     Read,
     Written,
 }
 
 /// The bindings of each group of a kernel.
-const GROUPS: [&[Held]; 3] =
-    [&[Held::Uniform, Held::Read, Held::Read, Held::Read], &[Held::Read; 9], &[Held::Written, Held::Uniform]];
+const GROUPS: [&[BufferKind]; 3] = [
+    &[BufferKind::Uniform, BufferKind::Read, BufferKind::Read, BufferKind::Read],
+    &[BufferKind::Read; 9],
+    &[BufferKind::Written, BufferKind::Uniform],
+];
 
 /// How many buffers of a kernel are no uniforms.
 const STORAGE_BUFFERS: u32 = 13;
@@ -270,15 +273,15 @@ impl GraphicsDevice {
     }
 }
 
-fn layout(device: &wgpu::Device, group: &[Held]) -> BindGroupLayout {
-    let entry = |(binding, held): (u32, &Held)| BindGroupLayoutEntry {
+fn layout(device: &wgpu::Device, group: &[BufferKind]) -> BindGroupLayout {
+    let entry = |(binding, held): (u32, &BufferKind)| BindGroupLayoutEntry {
         binding,
         visibility: ShaderStages::COMPUTE,
         ty: BindingType::Buffer {
             ty: match held {
-                Held::Uniform => BufferBindingType::Uniform,
-                Held::Read => BufferBindingType::Storage { read_only: true },
-                Held::Written => BufferBindingType::Storage { read_only: false },
+                BufferKind::Uniform => BufferBindingType::Uniform,
+                BufferKind::Read => BufferBindingType::Storage { read_only: true },
+                BufferKind::Written => BufferBindingType::Storage { read_only: false },
             },
             has_dynamic_offset: false,
             min_binding_size: None,

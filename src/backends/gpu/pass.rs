@@ -17,7 +17,7 @@ use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::{BindGroup, BindGroupDescriptor, BindGroupEntry, Buffer, BufferUsages};
 
-/// So many tiles are prepared at a time, and a portion has no more. One call of a kernel then takes a fraction of a
+/// This many tiles are prepared at a time, and a portion has no more. One call of a kernel then takes a fraction of a
 /// second at most, and a portion has fewer workgroups than a call can have.
 const TILES: usize = 64;
 

@@ -121,17 +121,20 @@ impl SurfaceTile {
     }
 
     /// The static values of the nodes on bodies, line by line: 16 nodes of each column, then the next 16.
+    #[cfg(feature = "gpu")]
     pub(in crate::backends) fn static_lines(&self) -> &[Line] {
         &self.columns.lines()[..self.lines * self.columns.lines().len() / (self.lines + ROUND_LINES)]
     }
 
     /// How many lines of nodes on bodies there are.
+    #[cfg(feature = "gpu")]
     pub(in crate::backends) fn node_lines(&self) -> u32 {
         // A tile has fewer than 2³² hits.
         self.lines as u32
     }
 
     /// The nodes of a path, with their pixels in the tile, in the order of their pixels.
+    #[cfg(feature = "gpu")]
     pub(in crate::backends) fn nodes_of(&self, path: usize) -> impl Iterator<Item = (u32, u16)> {
         let own = self.paths[path].clone();
         own.clone().zip(self.pixels[own.start as usize..own.end as usize].iter().copied())

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use std::fmt::Write;
 
 /// How a primitive is written.
-enum Written {
+enum PrimitiveForm {
     /// As WGSL writes it.
     Natively,
     /// As WGSL writes it, and the compiler must not change it.
@@ -17,29 +17,29 @@ enum Written {
     By(&'static str),
 }
 
-impl Written {
-    fn of(primitive: Primitive) -> Written {
+impl PrimitiveForm {
+    fn of(primitive: Primitive) -> PrimitiveForm {
         match primitive {
-            Primitive::Neg | Primitive::Abs | Primitive::Floor | Primitive::Ceil => Written::Natively,
-            Primitive::Min | Primitive::Max | Primitive::Select => Written::Natively,
-            Primitive::Less | Primitive::LessEqual | Primitive::Equal => Written::Natively,
-            Primitive::And | Primitive::Or | Primitive::Not => Written::Natively,
-            Primitive::Add | Primitive::Sub | Primitive::Mul | Primitive::Sqrt => Written::Strictly,
-            Primitive::Div => Written::By("divided"),
-            Primitive::Exp => Written::By("exponential"),
-            Primitive::Exp2 => Written::By("exponential_2"),
-            Primitive::Log => Written::By("logarithm"),
-            Primitive::Log2 => Written::By("logarithm_2"),
-            Primitive::Pow => Written::By("power"),
-            Primitive::Sin => Written::By("sine"),
-            Primitive::Cos => Written::By("cosine"),
-            Primitive::Tan => Written::By("tangent"),
-            Primitive::Asin => Written::By("arc_sine"),
-            Primitive::Acos => Written::By("arc_cosine"),
-            Primitive::Atan => Written::By("arc_tangent"),
-            Primitive::Atan2 => Written::By("arc_tangent_2"),
-            Primitive::Perlin => Written::By("noise_sum"),
-            Primitive::Texture => Written::By("texture_component"),
+            Primitive::Neg | Primitive::Abs | Primitive::Floor | Primitive::Ceil => PrimitiveForm::Natively,
+            Primitive::Min | Primitive::Max | Primitive::Select => PrimitiveForm::Natively,
+            Primitive::Less | Primitive::LessEqual | Primitive::Equal => PrimitiveForm::Natively,
+            Primitive::And | Primitive::Or | Primitive::Not => PrimitiveForm::Natively,
+            Primitive::Add | Primitive::Sub | Primitive::Mul | Primitive::Sqrt => PrimitiveForm::Strictly,
+            Primitive::Div => PrimitiveForm::By("divided"),
+            Primitive::Exp => PrimitiveForm::By("exponential"),
+            Primitive::Exp2 => PrimitiveForm::By("exponential_2"),
+            Primitive::Log => PrimitiveForm::By("logarithm"),
+            Primitive::Log2 => PrimitiveForm::By("logarithm_2"),
+            Primitive::Pow => PrimitiveForm::By("power"),
+            Primitive::Sin => PrimitiveForm::By("sine"),
+            Primitive::Cos => PrimitiveForm::By("cosine"),
+            Primitive::Tan => PrimitiveForm::By("tangent"),
+            Primitive::Asin => PrimitiveForm::By("arc_sine"),
+            Primitive::Acos => PrimitiveForm::By("arc_cosine"),
+            Primitive::Atan => PrimitiveForm::By("arc_tangent"),
+            Primitive::Atan2 => PrimitiveForm::By("arc_tangent_2"),
+            Primitive::Perlin => PrimitiveForm::By("noise_sum"),
+            Primitive::Texture => PrimitiveForm::By("texture_component"),
         }
     }
 }
@@ -81,12 +81,12 @@ fn truth_operands(primitive: Primitive) -> usize {
 }
 
 /// A value in the text.
-struct Known {
+struct KernelValue {
     text: String,
     is_truth: bool,
 }
 
-impl Known {
+impl KernelValue {
     fn number(&self) -> String {
         if self.is_truth { format!("select(0.0, 1.0, {})", self.text) } else { self.text.clone() }
     }
@@ -101,7 +101,7 @@ impl Known {
 pub(super) struct Statements<'g> {
     graph: &'g Graph,
     schedule: Schedule,
-    known: HashMap<NodeId, Known>,
+    known: HashMap<NodeId, KernelValue>,
     text: String,
 }
 
@@ -116,7 +116,7 @@ impl<'g> Statements<'g> {
         for (index, node) in nodes.iter().enumerate() {
             let name = format!("n{}", node.0);
             let _ = writeln!(self.text, "        let {name} = {};", place(index));
-            self.known.insert(*node, Known { text: name, is_truth: false });
+            self.known.insert(*node, KernelValue { text: name, is_truth: false });
         }
     }
 
@@ -125,7 +125,7 @@ impl<'g> Statements<'g> {
         // A plan reads all variables and parameters that it needs.
         for id in self.schedule.further(self.graph, nodes.iter().copied()).unwrap_or_default() {
             let value = match self.graph.node(id) {
-                Node::Constant(bits) => Known { text: constant(f32::from_bits(bits)), is_truth: false },
+                Node::Constant(bits) => KernelValue { text: constant(f32::from_bits(bits)), is_truth: false },
                 node @ Node::Apply(primitive, _) => self.applied(id, primitive, node.operands()),
                 Node::Variable(..) | Node::Parameter(..) => continue,
             };
@@ -134,7 +134,7 @@ impl<'g> Statements<'g> {
     }
 
     /// Writes the statement of a primitive.
-    fn applied(&mut self, id: NodeId, primitive: Primitive, operands: &[NodeId]) -> Known {
+    fn applied(&mut self, id: NodeId, primitive: Primitive, operands: &[NodeId]) -> KernelValue {
         let truths = truth_operands(primitive);
         let known = |node: &NodeId| self.known.get(node);
         let chosen = |node: &NodeId| known(node).is_some_and(|value| value.is_truth);
@@ -148,19 +148,19 @@ impl<'g> Statements<'g> {
             })
             .collect();
         let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
-        let value = match Written::of(primitive) {
-            Written::Natively => wgsl_primitive(primitive, &texts),
-            Written::Strictly => format!("strict({})", wgsl_primitive(primitive, &texts)),
-            Written::By(function) => format!("{function}({})", texts.join(", ")),
+        let value = match PrimitiveForm::of(primitive) {
+            PrimitiveForm::Natively => wgsl_primitive(primitive, &texts),
+            PrimitiveForm::Strictly => format!("strict({})", wgsl_primitive(primitive, &texts)),
+            PrimitiveForm::By(function) => format!("{function}({})", texts.join(", ")),
         };
         let name = format!("n{}", id.0);
         let _ = writeln!(self.text, "        let {name} = {value};");
-        Known { text: name, is_truth: primitive.yields_truth() || chooses_truth }
+        KernelValue { text: name, is_truth: primitive.yields_truth() || chooses_truth }
     }
 
     /// A computed node as a number.
     pub(super) fn number(&self, node: NodeId) -> String {
-        self.known.get(&node).map_or_else(|| constant(f32::NAN), Known::number)
+        self.known.get(&node).map_or_else(|| constant(f32::NAN), KernelValue::number)
     }
 
     /// Three computed nodes as a vector.
