@@ -159,6 +159,8 @@ fn alternating_sine(r: f32, rounded: f32) -> f32 {
 }
 
 fn sine(x: f32) -> f32 {
+    // A zero keeps its sign.
+    if (x == 0.0) { return x; }
     let rounded = strict(strict(x * FRAC_1_PI) + ROUNDER);
     return strict(alternating_sine(reduced(x, strict(rounded - ROUNDER), 1.0), rounded));
 }
