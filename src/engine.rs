@@ -290,6 +290,9 @@ impl Engine {
                 }
                 let start = Instant::now();
                 let frame = evaluator.frame(parameters);
+                if let Some(failure) = evaluator.failure() {
+                    return Err(EngineError::from(EvaluateError::Backend(failure)).into());
+                }
                 if count == 1 {
                     each(index, frame, start.elapsed())?;
                 } else {

@@ -3,7 +3,7 @@
 use crate::diagnostics::failure;
 use illuminator::backends;
 use illuminator::engine::{Engine, EngineError, Subject, Task};
-use illuminator::evaluate::{Backend, Evaluator};
+use illuminator::evaluate::{Backend, EvaluateError, Evaluator};
 use illuminator::picture::Frame;
 use illuminator::trace::{Hits, TraceError};
 use pyo3::prelude::*;
@@ -47,6 +47,9 @@ impl Tracing {
         let Means { backend, threads, memory } = means;
         let backend = backend.unwrap_or(backends::DEFAULT.name);
         let choice = backends::named(backend).ok_or_else(|| {
+            if backends::lacking(backend).is_some() {
+                return failure(format!("this package was built without the feature `{backend}`"));
+            }
             let names = backends::CHOICES.iter().map(|choice| format!("\"{}\"", choice.name));
             failure(format!("there is no backend \"{backend}\"; there are {}", names.collect::<Vec<_>>().join(", ")))
         })?;
@@ -198,6 +201,9 @@ pub(crate) fn on_threads<T: Send>(pool: Option<&ThreadPool>, work: impl FnOnce()
 pub(crate) fn mean(evaluator: &dyn Evaluator, numbers: &[f32], task: &Task) -> Result<Frame, EngineError> {
     let passes = evaluator.passes();
     let mut frame = evaluator.sum(0..passes, numbers, task.cancelled).ok_or(TraceError::Cancelled)?;
+    if let Some(failure) = evaluator.failure() {
+        return Err(EvaluateError::Backend(failure).into());
+    }
     if passes > 1 {
         frame.scale(1.0 / passes as f32);
     }

@@ -31,6 +31,8 @@ pub struct DevicePicture {
     textures: Mutex<Option<Arc<DeviceTextures>>>,
     /// Memory of frames, kept for the next one.
     free: Mutex<Vec<FrameMemory>>,
+    /// What went wrong with the last picture.
+    failed: Mutex<Option<String>>,
 }
 
 /// Passes whose static values were looked up in some textures.
@@ -70,9 +72,13 @@ impl DevicePicture {
             stored: Mutex::new(Arc::new(StoredPasses { textures, passes })),
             textures: Mutex::default(),
             free: Mutex::default(),
+            failed: Mutex::default(),
         };
-        // Whether it fits is known now.
+        // Whether it fits is known now. Without numbers for the first picture, its textures are not known.
         let memory = own.memory()?;
+        if parameters.len() >= equation.layout.len() {
+            own.device.guarded(|| own.textures_with(parameters).map(|_| ()))??;
+        }
         own.free.lock().unwrap_or_else(PoisonError::into_inner).push(memory);
         Ok(own)
     }
@@ -96,6 +102,7 @@ impl DevicePicture {
             stored: Mutex::new(Arc::new(StoredPasses { textures: stored.textures.clone(), passes })),
             textures: Mutex::new(self.textures.lock().unwrap_or_else(PoisonError::into_inner).clone()),
             free: Mutex::default(),
+            failed: Mutex::default(),
         })
     }
 
@@ -300,12 +307,21 @@ impl Evaluator for DevicePicture {
         Ok(Arc::new(self.with_one_more(hits)?))
     }
 
-    /// If the device fails, all colours are NaN.
+    /// If the device fails, all colours are NaN, and [`failure`](Evaluator::failure) tells why.
     fn sum(&self, passes: Range<usize>, parameters: &[f32], cancelled: &AtomicBool) -> Option<Frame> {
         let layout = self.formula.equation(&self.hits[0].world).layout;
         assert!(parameters.len() >= layout.len(), "as many parameter numbers as the formula and the scene have");
         let frame = self.evaluated(passes, parameters, cancelled, |memory| self.read(memory));
-        frame.unwrap_or_else(|_| Some(self.undefined()))
+        let (frame, failed) = match frame {
+            Ok(frame) => (frame, None),
+            Err(error) => (Some(self.undefined()), Some(error.to_string())),
+        };
+        *self.failed.lock().unwrap_or_else(PoisonError::into_inner) = failed;
+        frame
+    }
+
+    fn failure(&self) -> Option<String> {
+        self.failed.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     fn draw(&self, parameters: &[f32], framebuffer: &mut Framebuffer) -> Drawn {

@@ -1,8 +1,8 @@
 //! The tables of a tile that the kernel reads beside columns: which rays a pixel has, and where their hits are among
 //! the lines of the columns.
 //!
-//! The kernel evaluates the recursive equation for each pixel. So the rays of a pixel are listed with those that others
-//! come from last: the value of a hit is computed when the values of the rays that go on from it are known. Pixels whose
+//! The kernel evaluates the recursive equation for each pixel. So a ray of a pixel is listed after the rays that go on
+//! from it: the value of a hit is computed when their values are known. Pixels whose
 //! rays took the same paths share a list.
 
 use crate::backends::compiled::columns::Columns;

@@ -1,5 +1,5 @@
-//! Only the definitions that a kernel needs: the driver compiles all of them for each formula, and the table of noise takes memory of
-//! each pixel.
+//! Only the definitions that a kernel needs: the driver compiles all of them for each formula, and the table of noise
+//! takes memory of each pixel.
 
 /// The text, with those of the definitions that it names, and those that these name.
 pub(super) fn with_definitions(mut text: String, definitions: &[String]) -> String {

@@ -1,4 +1,4 @@
-// Equation (2) for a pixel: the values of its rays, those that others come from last.
+// Equation (2) for a pixel: the values of its rays. A ray comes after the rays that go on from it.
 
 struct FrameNumbers {
     at_misses: vec3<f32>,
@@ -112,13 +112,17 @@ fn at_hit(body: u32, hit: u32, goes_on: u32, reflected: vec3<f32>, refracted: ve
 fn at_miss(miss: u32) -> vec3<f32> {
     if (frame.sees_environment == 0u) { return frame.at_misses; }
     let first = 3u * miss;
-    return frame.at_misses + frame.environment * vec3<f32>(radiance[first], radiance[first + 1u], radiance[first + 2u]);
+    let x = strict(frame.environment.x * radiance[first]);
+    let y = strict(frame.environment.y * radiance[first + 1u]);
+    let z = strict(frame.environment.z * radiance[first + 2u]);
+    return frame.at_misses + vec3<f32>(x, y, z);
 }
 
 @compute @workgroup_size(64)
 fn add_up(@builtin(global_invocation_id) id: vec3<u32>) {
     let pixel = 3u * id.x;
-    if (pixel >= arrayLength(&pixels)) { return; }
+    // A buffer may have room for more than the pixels, but not for a whole one.
+    if (pixel + 2u >= arrayLength(&pixels)) { return; }
     let own = sets[pixels[pixel + 2u]];
     var colour = vec3<f32>(0.0);
     // The values of the last rays at each depth.
