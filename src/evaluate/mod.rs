@@ -124,7 +124,8 @@ pub trait Evaluator: Send + Sync {
         frame
     }
 
-    /// Why the last picture is no picture, if the means of evaluation failed: a message for the user. Its colours are NaN.
+    /// Why the last picture is no picture, if the means of evaluation failed: a message for the user. Its colours are
+    /// NaN.
     fn failure(&self) -> Option<String> {
         None
     }

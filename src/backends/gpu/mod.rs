@@ -1,9 +1,9 @@
 //! Evaluation by a graphics device, through Vulkan.
 //!
-//! The device reads the same static columns as compiled code, and evaluates the recursive equation (2) for each pixel by
-//! one kernel (`wgsl`), which adds up the rays of the pixel in a fixed order (`tables`). So the same input gives the same
-//! bits. Static and uniform values come from the kernels of compiled code, on the processor. A pass is kept in portions
-//! that kernels can read (`pass`), and `picture` makes frames of them.
+//! The device reads the same static columns as compiled code, and evaluates the recursive equation (2) for each pixel
+//! by one kernel (`wgsl`), which adds up the rays of the pixel in a fixed order (`tables`). So the same input gives the
+//! same bits. Static and uniform values come from the kernels of compiled code, on the processor. A pass is kept in
+//! portions that kernels can read (`pass`), and `picture` makes frames of them.
 
 mod device;
 mod numbers;

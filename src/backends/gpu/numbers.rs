@@ -34,8 +34,8 @@ pub(super) struct UniformLeaves {
 pub(super) struct FrameValues {
     pub(super) header: FrameHeader,
     pub(super) numbers: Vec<f32>,
-    /// Which weights of rays are not 0: that of the reflected ray of body 0, that of the refracted one, those of body 1,
-    /// and so on. A weight that the formula gives counts as not 0.
+    /// Which weights of rays are not 0: that of the reflected ray of body 0, that of the refracted one, those of body
+    /// 1, and so on. A weight that the formula gives counts as not 0.
     pub(super) lives: Arc<[bool]>,
 }
 

@@ -123,8 +123,8 @@ impl DevicePicture {
         self.device.name()
     }
 
-    /// The bytes that the device keeps for a frame, and those of the picture. A frame reads and writes each of them once;
-    /// it leaves out rays whose weight is 0.
+    /// The bytes that the device keeps for a frame, and those of the picture. A frame reads and writes each of them
+    /// once; it leaves out rays whose weight is 0.
     pub fn frame_bytes(&self) -> u64 {
         let passes = &self.stored().passes;
         passes.iter().map(|pass| pass.device_bytes()).sum::<u64>() + u64::from(self.view().pixels()) * PIXEL_BYTES
@@ -213,8 +213,8 @@ impl DevicePicture {
         Ok(done)
     }
 
-    /// How long the device takes for a frame of these parameter numbers, from giving it the numbers until the picture is
-    /// there, which is not read back.
+    /// How long the device takes for a frame of these parameter numbers, from giving it the numbers until the picture
+    /// is there, which is not read back.
     ///
     /// # Errors
     /// The device fails.

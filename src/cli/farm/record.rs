@@ -76,7 +76,8 @@ impl PartsRecord {
     }
 
     /// Writes the record if there is none, and makes the folder for it. Several workers may do so at once: the first
-    /// record stays, and the others are compared with it. `is_there` says whether there is a picture of the job already.
+    /// record stays, and the others are compared with it. `is_there` says whether there is a picture of the job
+    /// already.
     ///
     /// # Errors
     /// There is the record of other pictures, there are pictures without a record, or it cannot be read or written.

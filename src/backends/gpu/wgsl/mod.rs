@@ -1,8 +1,8 @@
 //! The kernel of a formula as WGSL text.
 //!
 //! `picture.wgsl` evaluates equation (2) for a pixel, with gaps for the nodes of the formula's plan, which
-//! [`nodes`] writes. `functions.wgsl` holds the operations that WGSL leaves to the device. They follow those of compiled
-//! code and have their coefficients.
+//! [`nodes`] writes. `functions.wgsl` holds the operations that WGSL leaves to the device. They follow those of
+//! compiled code and have their coefficients.
 
 mod needed;
 mod nodes;
