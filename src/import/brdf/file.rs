@@ -44,15 +44,15 @@ pub(super) struct BrdfFile {
     pub(super) is_export: bool,
 }
 
-/// The lines of a text with their places.
+/// The lines of a text with their places. They end with a line feed, a carriage return, or both, as in the shader.
 fn lines(text: &str) -> impl Iterator<Item = (Range<usize>, &str)> {
     let mut at = 0;
-    text.split_inclusive('\n').map(move |line| {
+    let lines = text.split_inclusive(['\n', '\r']).map(move |line| {
         let start = at;
         at += line.len();
-        let line = line.trim_end();
-        (start..start + line.len(), line)
-    })
+        (start..at, line)
+    });
+    lines.filter(|(place, line)| *line != "\n" || !text[..place.start].ends_with('\r'))
 }
 
 /// Finds the parts of a file.
@@ -60,7 +60,7 @@ pub(super) fn file(source: &Source, diagnostics: &mut Diagnostics) -> Option<Brd
     let text = source.text();
     let word = text.trim_start_matches('\u{feff}').split_whitespace().next().unwrap_or_default();
     if word != "analytic" {
-        let span = SourceSpan::new(0, text.lines().next().unwrap_or_default().len());
+        let span = SourceSpan::new(0, lines(text).next().map_or(0, |(_, line)| line.trim_end().len()));
         let error = Diagnostic::error("this is no model of BRDF Explorer in GLSL").at(span, "expected `analytic`");
         diagnostics.push(error.help("files of measurements have no formula"));
         return None;
@@ -70,10 +70,11 @@ pub(super) fn file(source: &Source, diagnostics: &mut Diagnostics) -> Option<Brd
     let mut part: Option<(&str, usize)> = None;
     let mut comment: Option<&str> = None;
     for (place, line) in lines(text) {
-        let trimmed = line.trim_start();
-        let span = SourceSpan::new(place.end - trimmed.len(), place.end);
+        let trimmed = line.trim();
+        let start = place.start + line.len() - line.trim_start().len();
+        let span = SourceSpan::new(start, start + trimmed.len());
         if let Some(begun) = trimmed.strip_prefix("::begin") {
-            part = Some((begun.trim(), (place.end + 1).min(text.len())));
+            part = Some((begun.trim(), place.end));
         } else if trimmed.starts_with("::end") {
             if let Some(("shader", start)) = part.take() {
                 shader = Some(start..place.start.max(start));
@@ -94,7 +95,8 @@ pub(super) fn file(source: &Source, diagnostics: &mut Diagnostics) -> Option<Brd
         let error = Diagnostic::error("the file has no shader");
         diagnostics.push(error.help("a shader stands between lines `::begin shader` and `::end shader`"));
     }
-    let mut comments = text.lines().take_while(|line| !line.starts_with("::")).filter(|line| line.starts_with('#'));
+    let mut comments =
+        lines(text).map(|(_, line)| line).take_while(|line| !line.starts_with("::")).filter(|line| line.starts_with('#'));
     let is_export = comments.any(|line| line.contains(", written by Illuminator from "));
     Some(BrdfFile { parameters, shader: shader?, is_export })
 }
