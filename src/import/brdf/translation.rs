@@ -15,6 +15,10 @@ use std::collections::HashMap;
 
 /// The longest expression of a function, in bytes.
 const LONGEST_FUNCTION: usize = 200;
+/// The longest expression, in bytes. Some operations write an operand more than once.
+const LONGEST_EXPRESSION: usize = 10_000;
+/// The most expressions within each other, with those of the functions and constants that they need.
+const MOST_DEPTH: usize = 250;
 /// The most macros.
 const MOST_DEFINITIONS: usize = 4000;
 /// The most calls within each other.
@@ -28,6 +32,8 @@ enum Untranslated {
     Reported,
     /// The expression of a function would be too long.
     TooLong,
+    /// There are too many macros, which was reported: nothing more is translated.
+    Full,
 }
 
 type Translated<T> = Result<T, Untranslated>;
@@ -87,8 +93,12 @@ pub(super) struct Translation<'s> {
     functions: HashMap<usize, FunctionState>,
     /// The functions whose calls are being translated.
     calls: Vec<usize>,
+    /// The number of expressions within each other that are being translated.
+    depth: usize,
     /// The macros and functions: their heads, and their expressions.
     pub(super) definitions: Vec<(String, String)>,
+    /// Whether there are as many as there may be, and a value more was reported.
+    is_full: bool,
     pub(super) diagnostics: Diagnostics,
 }
 
@@ -102,7 +112,9 @@ impl<'s> Translation<'s> {
             globals,
             functions: HashMap::new(),
             calls: Vec::new(),
+            depth: 0,
             definitions: Vec::new(),
+            is_full: false,
             diagnostics: Diagnostics::new(),
         }
     }
@@ -147,10 +159,12 @@ impl<'s> Translation<'s> {
             ValueForm::Expression => Ok(value),
             ValueForm::Macros(_) if is_halfway => Ok(FormulaText::atom("H", GlslType::Vec3)),
             ValueForm::Macros(_) if value.whole.is_some() || is_name && !is_number => Ok(value),
+            ValueForm::Macros(_) if self.is_full => Err(Untranslated::Full),
             ValueForm::Macros(_) if self.definitions.len() >= MOST_DEFINITIONS => {
+                self.is_full = true;
                 let error = Diagnostic::error(format!("the model has more than {MOST_DEFINITIONS} values"));
                 self.diagnostics.push(error.help("functions that are called in functions are written out for each call"));
-                Err(Untranslated::Reported)
+                Err(Untranslated::Full)
             }
             ValueForm::Macros(prefix) => {
                 let plain = prefix.is_empty() || self.names.is_free(name);
@@ -227,7 +241,7 @@ impl<'s> Translation<'s> {
                 FunctionState::Function(name)
             }
             Ok(_) | Err(Untranslated::TooLong) => FunctionState::Macros,
-            Err(Untranslated::Reported) => FunctionState::Broken,
+            Err(Untranslated::Reported | Untranslated::Full) => FunctionState::Broken,
         }
     }
 

@@ -3,7 +3,9 @@
 use crate::import::brdf::builtins;
 use crate::import::brdf::glsl::{BinaryOperator, GlslExpression, GlslExpressionKind, GlslFunction, GlslName, GlslType};
 use crate::import::brdf::parser::component_of;
-use crate::import::brdf::translation::{FunctionScope, LocalValue, Translated, Translation, Untranslated, ValueForm};
+use crate::import::brdf::translation::{
+    FunctionScope, LONGEST_EXPRESSION, LocalValue, MOST_DEPTH, Translated, Translation, Untranslated, ValueForm,
+};
 use crate::import::brdf::written::{FormulaBinding, FormulaText, binary};
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::source::SourceSpan;
@@ -25,7 +27,27 @@ impl Translation<'_> {
         Err(self.report(span, format!("types do not fit: {what}"), label))
     }
 
+    /// The value of an expression, unless its text is too long or it is too deep.
     pub(super) fn expression(&mut self, expression: &GlslExpression, scope: &mut FunctionScope) -> Translated<FormulaText> {
+        if self.depth == MOST_DEPTH {
+            return Err(self.report(expression.span, format!("more than {MOST_DEPTH} expressions within each other"), ""));
+        }
+        self.depth += 1;
+        let value = self.value(expression, scope);
+        self.depth -= 1;
+        match value {
+            Ok(value) if value.text.len() <= LONGEST_EXPRESSION => Ok(value),
+            Ok(_) if scope.form == ValueForm::Expression => Err(Untranslated::TooLong),
+            Ok(_) => {
+                let message = format!("the expression has more than {LONGEST_EXPRESSION} characters in a formula");
+                self.diagnostics.push(Diagnostic::error(message).at(expression.span, "").help("give its parts names"));
+                Err(Untranslated::Reported)
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    fn value(&mut self, expression: &GlslExpression, scope: &mut FunctionScope) -> Translated<FormulaText> {
         let span = expression.span;
         match &expression.kind {
             GlslExpressionKind::Number(text) => self.number(text, span),
@@ -102,7 +124,8 @@ impl Translation<'_> {
         }
         match self.globals.get(name) {
             Some(LocalValue::Known(value)) => return Ok(value.clone()),
-            Some(LocalValue::Broken | LocalValue::Unset) => return Err(Untranslated::Reported),
+            Some(LocalValue::Broken) => return Err(Untranslated::Reported),
+            Some(LocalValue::Unset) => return Err(self.report(span, format!("`{name}` is defined by itself"), "")),
             None => {}
         }
         if let Some((place, why)) = self.shader.foreign.iter().find(|(own, _)| own.text == name) {
@@ -112,12 +135,13 @@ impl Translation<'_> {
             return Err(self.report(span, format!("`{name}` has no meaning here"), ""));
         };
         // A constant whose value is being found means nothing in it.
-        self.globals.insert(name.to_owned(), LocalValue::Broken);
+        self.globals.insert(name.to_owned(), LocalValue::Unset);
         let form = ValueForm::Macros(String::new());
         let mut outside = FunctionScope { locals: Vec::new(), form, returns: Vec::new(), result: *ty };
-        let value = self.assigned(name, value, *ty, &mut outside)?;
-        self.globals.insert(name.to_owned(), LocalValue::Known(value.clone()));
-        Ok(value)
+        let value = self.assigned(name, value, *ty, &mut outside);
+        let known = value.as_ref().map_or(LocalValue::Broken, |value| LocalValue::Known(value.clone()));
+        self.globals.insert(name.to_owned(), known);
+        value
     }
 
     pub(super) fn operation(

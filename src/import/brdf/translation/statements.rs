@@ -23,7 +23,7 @@ impl Translation<'_> {
                 }
                 // The others may have mistakes, too.
                 Err(Untranslated::Reported) => failed = true,
-                Err(Untranslated::TooLong) => return Err(Untranslated::TooLong),
+                Err(stop @ (Untranslated::TooLong | Untranslated::Full)) => return Err(stop),
             }
         }
         scope.locals.truncate(outer);
@@ -101,12 +101,8 @@ impl Translation<'_> {
         if !matches!(old, LocalValue::Broken) || (operator.is_none() && component.is_none()) {
             scope.locals[at].value = old.clone();
             let new = self.changed(name, component, operator, value, scope);
-            scope.locals[at].value = match &new {
-                Ok(new) => LocalValue::Known(new.clone()),
-                Err(_) => LocalValue::Broken,
-            };
-            let new = new?;
-            let new = self.converted(new, ty, name.span, &name.text)?;
+            scope.locals[at].value = LocalValue::Broken;
+            let new = self.converted(new?, ty, name.span, &name.text)?;
             let form = scope.form.clone();
             scope.locals[at].value = LocalValue::Known(self.defined(&name.text, new, &form)?);
             return Ok(());
