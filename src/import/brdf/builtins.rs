@@ -78,11 +78,15 @@ pub(super) fn call(name: &str, arguments: Vec<FormulaText>) -> Option<FormulaTex
     if let Some(converted) = conversion(name, &arguments) {
         return Some(converted);
     }
+    let are_whole = arguments.iter().all(|own| own.ty == GlslType::Int);
     let arguments: Vec<FormulaText> = arguments.into_iter().map(|own| own.into_number()).collect::<Option<_>>()?;
     let count = arguments.len();
     let vectors = arguments.iter().filter(|own| own.ty == GlslType::Vec3).count();
     let ty = if vectors > 0 { GlslType::Vec3 } else { GlslType::Float };
     if BY_COMPONENTS.contains(&(name, count)) {
+        // GLSL has these for whole numbers, too.
+        let is_whole = are_whole && ["abs", "sign", "min", "max", "clamp"].contains(&name);
+        let ty = if is_whole { GlslType::Int } else { ty };
         return Some(FormulaText::call(name, &arguments, ty));
     }
     if let Some((_, _, gives_vector)) =
@@ -129,7 +133,7 @@ impl FormulaText {
 fn conversion(name: &str, arguments: &[FormulaText]) -> Option<FormulaText> {
     match (name, arguments) {
         ("float", [x]) if x.ty != GlslType::Vec3 => Some(x.clone().into_float()),
-        ("int", [x]) if x.whole.is_some() => Some(x.clone()),
+        ("int", [x]) if x.ty == GlslType::Int => Some(x.clone()),
         ("bool", [x]) if x.ty == GlslType::Bool => Some(x.clone()),
         ("bool", [x]) if x.ty != GlslType::Vec3 => {
             binary(BinaryOperator::NotEqual, x.clone().into_float(), FormulaText::atom("0", GlslType::Float))

@@ -6,7 +6,7 @@ use crate::lang::source::SourceSpan;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum GlslType {
     Float,
-    /// Whole numbers. Only constants are translated.
+    /// Whole numbers. Only constants are divided.
     Int,
     Bool,
     Vec3,

@@ -117,6 +117,7 @@ pub(super) fn binary(operator: BinaryOperator, left: FormulaText, right: Formula
         }
     }
     let sign = BinaryOperator::ALL.iter().find(|(own, ..)| *own == operator).map_or("", |(_, sign, _)| *sign);
+    let is_whole = left.ty == GlslType::Int && right.ty == GlslType::Int;
     let is_truth = (left.ty == GlslType::Bool, right.ty == GlslType::Bool);
     match (operator, is_truth) {
         (And, (true, true)) => return Some(left.and(&right)),
@@ -131,7 +132,11 @@ pub(super) fn binary(operator: BinaryOperator, left: FormulaText, right: Formula
     }
     let (left, right) = (left.into_float(), right.into_float());
     let has_vector = left.ty == GlslType::Vec3 || right.ty == GlslType::Vec3;
-    let ty = if has_vector { GlslType::Vec3 } else { GlslType::Float };
+    let ty = match (has_vector, is_whole) {
+        (true, _) => GlslType::Vec3,
+        (false, true) => GlslType::Int,
+        (false, false) => GlslType::Float,
+    };
     match operator {
         Add | Subtract | Divide if has_vector && left.ty != right.ty => {
             // Vectors are divided by numbers. Otherwise both are vectors.

@@ -240,3 +240,106 @@ fn what_is_deep_or_long_is_refused() {
     let error = imported("loop", &shader("return vec3(f(1.0));", "float f(float x) { return f(x); }\n"));
     assert!(error.expect_err("a loop").contains("calls itself"));
 }
+
+/// The function `BRDF` with this body, after declarations.
+fn shader(before: &str, body: &str) -> String {
+    format!("{before}\nvec3 BRDF(vec3 L, vec3 V, vec3 N, vec3 X, vec3 Y) {{ {body} }}")
+}
+
+/// Why a model with this function cannot be translated.
+fn refusal(before: &str, body: &str) -> String {
+    imported("refused", &file("", &shader(before, body))).map(|_| ()).expect_err("what is not translated")
+}
+
+#[test]
+fn lines_end_as_in_the_shader() {
+    let whole = file("# how much\nfloat k 0 2 1", &shader("#version 120", "return vec3(0.25*k);"));
+    for end in ["\n", "\r", "\r\n", "\u{a0}\n", "\u{3000}\r"] {
+        let formula = imported("lines", &whole.replace('\n', end)).expect("a model");
+        let parameter = formula.parameter(formula.parameter_named("k").expect("a parameter"));
+        assert_eq!(parameter.doc.as_deref(), Some("how much"), "{end:?}");
+    }
+    for blank in ["\u{a0}", "\u{3000}", "\u{2028}"] {
+        let text = whole.replace("::begin shader\n", &format!("::begin shader{blank}\n"));
+        assert!(imported("blank", &text).is_ok(), "{blank:?}");
+        let cut = text.split_once(blank).expect("the blank").0.to_owned() + blank;
+        assert!(imported("cut", &cut).is_err());
+    }
+}
+
+#[test]
+fn an_expression_that_grows_by_operations_is_refused() {
+    let nested = |function: &str| format!("return vec3({}L.x{});", format!("{function}(").repeat(60), ")".repeat(60));
+    let bodies = [format!("return L{};", ".zyx".repeat(60)), nested("trunc"), format!("return {};", faced(60))];
+    for body in bodies {
+        let error = refusal("", &body);
+        assert!(error.contains("has more than 10000 characters in a formula") && error.contains("refused:"), "{error}");
+    }
+    // Functions that call each other add to the depth.
+    let functions: String = (1..30)
+        .map(|number| {
+            format!("float f{number}(float x) {{ return {}f{}(x){}; }}\n", "abs(".repeat(90), number - 1, ")".repeat(90))
+        })
+        .collect();
+    let error = refusal(&format!("float f0(float x) {{ return x; }}\n{functions}"), "return vec3(f29(L.x));");
+    assert!(error.contains("more than 250 expressions within each other"), "{error}");
+    let constants: String = (1..20_000).map(|number| format!("const float a{number} = a{}*L;\n", number - 1)).collect();
+    let error = refusal(&constants, "return vec3(a19999);");
+    assert!(error.contains("more than 250 expressions within each other"), "{error}");
+}
+
+/// Calls of `faceforward` within each other.
+fn faced(depth: usize) -> String {
+    format!("{}L{}", "faceforward(".repeat(depth), ", V, N)".repeat(depth))
+}
+
+#[test]
+fn whole_numbers_are_divided_as_in_glsl_or_not_at_all() {
+    let bodies = [
+        "int i = 1; if (L.x > 0.0) i = 3; return vec3(i/2);",
+        "int i = 1; if (L.x > 0.0) i = 3; return vec3((i + 1)/2);",
+        "int i = 1; if (L.x > 0.0) i = 3; i /= 2; return vec3(i);",
+        "return vec3((L.x > 0.0 ? 1 : 3)/2);",
+        "return vec3(-max(1, 3)/2);",
+        "return vec3(h(3));",
+    ];
+    for body in bodies {
+        let error = refusal("float h(int n) { return float(n/2); }", body);
+        assert!(error.contains("only constants of the type `int` are divided") && error.contains("refused:"), "{error}");
+    }
+    for body in ["return vec3(2147483647 + 1);", "int i = 65536; i *= 65536; return vec3(i);", "return vec3(3000000000);"] {
+        let error = refusal("", body);
+        assert!(error.contains("a whole number of more than 32 bits") && error.contains("refused:"), "{error}");
+    }
+    assert!(refusal("", "return vec3(1/0);").contains("divided by 0"));
+    assert!(refusal("", "int i = 1; i %= 2; return L;").contains("cannot be translated"));
+    assert!(refusal("", "return vec3(3 % 2);").contains("operators of whole numbers are not translated"));
+    let body = "int i = 1; if (L.x > -2.0) i = 3; i += 4*(L.x > -2.0 ? 2 : 1) + 7/2; return vec3(i*0.5, i/2.0, float(i)/-2);";
+    let formula = imported("whole", &file("", &shader("", body))).expect("whole numbers");
+    let mut rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
+    let found = model(&formula, &variables(&mut rng), &[]);
+    for (found, expected) in found.iter().zip([7.0, 7.0, -7.0]) {
+        assert!((found - expected).abs() <= 1e-3, "{found}, not {expected}");
+    }
+}
+
+#[test]
+fn constants_that_need_themselves_are_refused() {
+    for (constants, name) in [("const float a = b; const float b = a;", 'a'), ("const float a = 1.0 + a;", 'a')] {
+        let error = refusal(constants, "return vec3(a) + vec3(a);");
+        assert_eq!(error.matches(&format!("`{name}` is defined by itself")).count(), 1, "{error}");
+        assert!(error.contains("refused:"), "{error}");
+    }
+}
+
+#[test]
+fn a_model_of_too_many_values_is_refused_soon() {
+    for statement in ["a = a*1.0001 + 0.1; ", "a = L.x + 1.0; ", "if (a > 0.5) a += 1.0; ", "float c = L.x + 1.0; "] {
+        let error = refusal("", &format!("float a = L.x; {} return vec3(a);", statement.repeat(100_000)));
+        assert_eq!(error.matches("the model has more than 4000 values").count(), 1, "{}", error.len());
+        assert!(error.len() < 1000, "{}", error.len());
+    }
+    // The names of the values are found at once, too.
+    let body = format!("float a = L.x; {} return vec3(a);", "a = a*1.0001 + 0.1; ".repeat(3_900));
+    assert!(formula_of_brdf(&Source::new("many", file("", &shader("", &body)))).is_ok());
+}

@@ -62,7 +62,7 @@ impl Translation<'_> {
                 if operand.ty == GlslType::Bool {
                     Err(self.report(span, "a condition has no negative", ""))
                 } else {
-                    Ok(operand.negative())
+                    self.fitting(operand.negative(), span)
                 }
             }
             GlslExpressionKind::Not(operand) => {
@@ -78,7 +78,8 @@ impl Translation<'_> {
                 let condition = self.expression(condition, scope)?;
                 let condition = self.converted(condition, GlslType::Bool, span, "the condition")?;
                 let (then, other) = (self.expression(then, scope)?, self.expression(other, scope)?);
-                let ty = if then.ty == GlslType::Int { GlslType::Float } else { then.ty };
+                let is_number = then.ty == GlslType::Int && other.ty == GlslType::Float;
+                let ty = if is_number { GlslType::Float } else { then.ty };
                 let then = self.converted(then, ty, span, "the choice")?;
                 let other = self.converted(other, ty, span, "the choice")?;
                 Ok(FormulaText::choice(&condition, &then, &other))
@@ -101,7 +102,7 @@ impl Translation<'_> {
 
     fn number(&mut self, text: &str, span: SourceSpan) -> Translated<FormulaText> {
         if let Some(whole) = text.parse::<i64>().ok().filter(|_| text.len() == 1 || !text.starts_with('0')) {
-            return Ok(FormulaText::whole(whole));
+            return self.fitting(FormulaText::whole(whole), span);
         }
         match text.parse::<f32>().ok().filter(|number| number.is_finite() && text.contains(['.', 'e', 'E'])) {
             Some(_) => {
@@ -110,6 +111,14 @@ impl Translation<'_> {
                 Ok(FormulaText::atom(if text.ends_with('.') { text + "0" } else { text }, GlslType::Float))
             }
             None => Err(self.report(span, format!("`{text}` is no number that formulas have"), "")),
+        }
+    }
+
+    /// A value, unless it is a whole number that GLSL does not have.
+    fn fitting(&mut self, value: FormulaText, span: SourceSpan) -> Translated<FormulaText> {
+        match value.whole {
+            Some(whole) if i32::try_from(whole).is_err() => Err(self.report(span, "a whole number of more than 32 bits", "")),
+            Some(_) | None => Ok(value),
         }
     }
 
@@ -152,14 +161,23 @@ impl Translation<'_> {
         span: SourceSpan,
     ) -> Translated<FormulaText> {
         let types = [left.ty.name(), right.ty.name()];
-        let rounds = operator == BinaryOperator::Divide
-            && left.whole.zip(right.whole).is_some_and(|(x, y)| y == 0 || x.checked_rem(y).is_some_and(|rest| rest != 0));
-        if rounds {
+        let is_quotient = operator == BinaryOperator::Divide && left.ty == GlslType::Int && right.ty == GlslType::Int;
+        let rest = match (left.whole, right.whole) {
+            (_, Some(0)) if is_quotient => return Err(self.report(span, "a whole number is divided by 0", "")),
+            (Some(x), Some(y)) if is_quotient => x.checked_rem(y),
+            _ if is_quotient => {
+                let error = Diagnostic::error("only constants of the type `int` are divided").at(span, "");
+                self.diagnostics.push(error.help("write `float(a)/float(b)` for the fraction"));
+                return Err(Untranslated::Reported);
+            }
+            _ => None,
+        };
+        if rest.is_some_and(|rest| rest != 0) {
             let warning = Diagnostic::warning("GLSL divides whole numbers without a remainder").at(span, "here");
             self.diagnostics.push(warning.help("write `1.0/2.0` for the fraction"));
         }
         match binary(operator, left, right) {
-            Some(value) => Ok(value),
+            Some(value) => self.fitting(value, span),
             None => {
                 let sign = BinaryOperator::ALL.iter().find(|(own, ..)| *own == operator).map_or("", |(_, sign, _)| *sign);
                 let label = format!("of `{}` and `{}`", types[0], types[1]);
