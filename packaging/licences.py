@@ -6,15 +6,23 @@ import pathlib
 import re
 import subprocess
 
-NAMES = re.compile(r"^(licen[cs]e|copying|notice|ofl|ufl|unlicense)", re.IGNORECASE)
+NAMES = re.compile(r"^(licen[cs]e|copying|notice|ofl|ufl|unlicense|.*-licen[cs]e)", re.IGNORECASE)
 TARGET = "x86_64-unknown-linux-gnu"
 
 
 def contained():
     """The names and versions of the libraries in the program."""
-    command = ["cargo", "tree", "--locked", "--edges", "normal", "--prefix", "none", "--format", "{p}", "--target", TARGET]
+    command = ["cargo", "tree", "--locked", "--edges", "normal,no-proc-macro", "--prefix", "none", "--format", "{p}"]
+    command += ["--target", TARGET]
     lines = subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()
     return {tuple(line.split(" ")[:2]) for line in lines if line}
+
+
+def is_licence(path):
+    """Whether a file is the text of a licence. Those of fonts have the names of the fonts."""
+    if not path.is_file() or path.suffix in (".rs", ".html", ".json", ".hbs"):
+        return False
+    return bool(NAMES.match(path.name)) or path.suffix == ".txt" and any(path.parent.glob("*.[ot]tf"))
 
 
 def main():
@@ -30,7 +38,7 @@ def main():
         print(f"{name}: {package['license'] or package['license_file']}")
         folder = pathlib.Path(package["manifest_path"]).parent
         for path in sorted([*folder.glob("*"), *folder.glob("*/*")]):
-            if path.is_file() and NAMES.match(path.name) and path.suffix not in (".rs", ".html", ".json", ".hbs"):
+            if is_licence(path):
                 owners.setdefault(path.read_text(errors="replace").strip(), []).append(name)
     for text, names in owners.items():
         print(f"\n{'=' * 80}\n{', '.join(dict.fromkeys(names))}\n\n{text}")
