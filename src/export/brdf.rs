@@ -75,6 +75,7 @@ pub(super) fn file(header: &str, block: &ParameterBlock, shader: &str) -> Result
         let [first, second, third] = parameter.default;
         let line = match parameter.ty {
             Type::Vector => format!("color {name} {first} {second} {third}"),
+            Type::Scalar | Type::Truth if parameter.switch => format!("bool {name} {}", u8::from(first != 0.0)),
             Type::Scalar | Type::Truth => format!("float {name} {low} {high} {first}"),
             Type::Texture => return Err(ExportError::Texture(parameter.name.clone())),
         };

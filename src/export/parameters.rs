@@ -36,6 +36,7 @@ impl ParameterBlock<'_> {
             Language::C => format!("parameters->{name}"),
             Language::Osl => format!("parameters.{name}"),
             Language::Wgsl if !self.is_texture(id) => format!("parameters.{name}"),
+            Language::Brdf if self.formula.parameter(id).switch => format!("float({name})"),
             Language::Glsl | Language::Hlsl | Language::Wgsl | Language::MaterialX | Language::Brdf => name.to_owned(),
         };
         self.members.iter().map(|(id, name)| (*id, reading(*id, name))).collect()

@@ -329,7 +329,8 @@ fn shader_of_brdf(file: &str) -> String {
     let declarations = between("parameters", "parameters");
     let uniforms = declarations.lines().filter(|line| !line.starts_with('#')).map(|line| {
         let words: Vec<&str> = line.split(' ').collect();
-        assert!(words.len() == 5 && words[2..].iter().all(|number| number.parse::<f32>().is_ok()), "{line}");
+        assert!(words.len() == if words[0] == "bool" { 3 } else { 5 }, "{line}");
+        assert!(words[2..].iter().all(|number| number.parse::<f32>().is_ok()), "{line}");
         let ty = if words[0] == "color" { "vec3" } else { words[0] };
         format!("uniform {ty} {};\n", words[1])
     });

@@ -59,14 +59,14 @@ fn exported_models_are_the_same_when_they_are_imported() {
         for id in back.parameter_ids() {
             let parameter = back.parameter(id);
             // Those that the formula does not read are left out.
-            if !["float", "color"].iter().any(|ty| text.contains(&format!("\n{ty} {} ", parameter.name))) {
+            if !["float", "bool", "color"].iter().any(|ty| text.contains(&format!("\n{ty} {} ", parameter.name))) {
                 continue;
             }
             if let Some(own) = formula.parameter_named(&parameter.name) {
                 let own = formula.parameter(own);
                 assert_eq!(
-                    (parameter.owner, parameter.range, &parameter.doc),
-                    (own.owner, own.range, &own.doc),
+                    (parameter.owner, parameter.range, parameter.switch, &parameter.doc),
+                    (own.owner, own.range, own.switch, &own.doc),
                     "{name}: {}",
                     own.name
                 );
