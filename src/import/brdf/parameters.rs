@@ -37,6 +37,12 @@ impl<'f> BrdfDeclaration<'f> {
             diagnostics
                 .push(warning.at(parameter.span, "the language has another meaning for this name, or it is declared twice"));
         }
+        if let BrdfValue::Float([low, high, default]) = parameter.value
+            && !(low..=high).contains(&default)
+        {
+            let warning = Diagnostic::warning(format!("the default of `{}` is not in its range", parameter.name));
+            diagnostics.push(warning.at(parameter.span, "the formula has a wider range"));
+        }
         Self { parameter, name, predefined }
     }
 
@@ -62,10 +68,11 @@ impl<'f> BrdfDeclaration<'f> {
     /// The attributes of its declaration.
     fn attributes(&self) -> Vec<String> {
         let note = self.parameter.note.clone().unwrap_or_default();
-        // Exports of this program say whether there is a range.
-        let range = |low: f32, high: f32| {
-            let range = if note.owner.is_some() { note.range } else { Some([low, high]) };
-            range.map(|[low, high]| format!("constraint {low}..{high}"))
+        // Exports of this program say whether there is a range. The default is in it.
+        let range = |declared: [f32; 2], default: &[f32]| {
+            let range = if note.owner.is_some() { note.range } else { Some(declared) };
+            let wider = range.map(|range| default.iter().fold(range, |[low, high], own| [low.min(*own), high.max(*own)]));
+            wider.map(|[low, high]| format!("constraint {low}..{high}"))
         };
         match &self.parameter.value {
             BrdfValue::Truth(holds) => vec!["switch".to_owned(), format!("default {}", u8::from(*holds))],
@@ -75,16 +82,12 @@ impl<'f> BrdfDeclaration<'f> {
                 vec![format!("choices {}", names.join(", ")), format!("default {default}")]
             }
             BrdfValue::Float([low, high, default]) => {
-                let range = range(low.min(*default), high.max(*default));
+                let range = range([*low, *high], &[*default]);
                 range.into_iter().chain([format!("default {default}"), "slider".to_owned()]).collect()
             }
             BrdfValue::Colour(colour) => {
-                let [low, high] = [
-                    colour.iter().fold(0.0_f32, |low, own| low.min(*own)),
-                    colour.iter().fold(1.0_f32, |high, own| high.max(*own)),
-                ];
                 let default = format!("default <{}>", colour.map(|own| own.to_string()).join(", "));
-                range(low, high).into_iter().chain([default, "color".to_owned()]).collect()
+                range([0.0, 1.0], colour).into_iter().chain([default, "color".to_owned()]).collect()
             }
         }
     }

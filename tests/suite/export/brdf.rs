@@ -343,3 +343,13 @@ fn a_model_of_too_many_values_is_refused_soon() {
     let body = format!("float a = L.x; {} return vec3(a);", "a = a*1.0001 + 0.1; ".repeat(3_900));
     assert!(formula_of_brdf(&Source::new("many", file("", &shader("", &body)))).is_ok());
 }
+
+#[test]
+fn a_default_that_is_not_in_its_range_is_noticed() {
+    let text = file("float k 0 1 2\nfloat n 0 1 1", &shader("", "return vec3(k*n);"));
+    let translated = formula_of_brdf(&Source::new("default", &text)).expect("a formula");
+    assert!(translated.text.contains("k: scalar, constraint 0..2, default 2, slider;"), "{}", translated.text);
+    let said = translated.remarks.located(&Source::new("default", text)).to_string();
+    assert_eq!(said.matches("is not in its range").count(), 1, "{said}");
+    assert!(said.contains("the default of `k` is not in its range"), "{said}");
+}
