@@ -19,6 +19,8 @@ const LONGEST_FUNCTION: usize = 200;
 const LONGEST_EXPRESSION: usize = 10_000;
 /// The most expressions within each other, with those of the functions and constants that they need.
 const MOST_DEPTH: usize = 250;
+/// The longest macros of a model, in bytes, all together.
+const LONGEST_MODEL: usize = 4_000_000;
 /// The most macros.
 const MOST_DEFINITIONS: usize = 4000;
 /// The most calls within each other.
@@ -97,6 +99,8 @@ pub(super) struct Translation<'s> {
     depth: usize,
     /// The macros and functions: their heads, and their expressions.
     pub(super) definitions: Vec<(String, String)>,
+    /// The length of the macros.
+    length: usize,
     /// Whether there are as many as there may be, and a value more was reported.
     is_full: bool,
     pub(super) diagnostics: Diagnostics,
@@ -114,6 +118,7 @@ impl<'s> Translation<'s> {
             calls: Vec::new(),
             depth: 0,
             definitions: Vec::new(),
+            length: 0,
             is_full: false,
             diagnostics: Diagnostics::new(),
         }
@@ -160,15 +165,18 @@ impl<'s> Translation<'s> {
             ValueForm::Macros(_) if is_halfway => Ok(FormulaText::atom("H", GlslType::Vec3)),
             ValueForm::Macros(_) if value.whole.is_some() || is_name && !is_number => Ok(value),
             ValueForm::Macros(_) if self.is_full => Err(Untranslated::Full),
-            ValueForm::Macros(_) if self.definitions.len() >= MOST_DEFINITIONS => {
+            ValueForm::Macros(_) if self.definitions.len() >= MOST_DEFINITIONS || self.length >= LONGEST_MODEL => {
                 self.is_full = true;
-                let error = Diagnostic::error(format!("the model has more than {MOST_DEFINITIONS} values"));
+                let is_long = self.length >= LONGEST_MODEL;
+                let (most, of) = if is_long { (LONGEST_MODEL, "characters") } else { (MOST_DEFINITIONS, "values") };
+                let error = Diagnostic::error(format!("the model has more than {most} {of}"));
                 self.diagnostics.push(error.help("functions that are called in functions are written out for each call"));
                 Err(Untranslated::Full)
             }
             ValueForm::Macros(prefix) => {
                 let plain = prefix.is_empty() || self.names.is_free(name);
                 let name = self.names.take(&if plain { name.to_owned() } else { format!("{prefix}_{name}") });
+                self.length += value.text.len();
                 self.definitions.push((name.clone(), value.text));
                 Ok(FormulaText::atom(name, value.ty))
             }

@@ -339,6 +339,10 @@ fn a_model_of_too_many_values_is_refused_soon() {
         assert_eq!(error.matches("the model has more than 4000 values").count(), 1, "{}", error.len());
         assert!(error.len() < 1000, "{}", error.len());
     }
+    let long =
+        format!("float a = L.x; {} return vec3(a);", "a = trunc(trunc(trunc(trunc(trunc(trunc(trunc(a))))))); ".repeat(3_900));
+    let error = refusal("", &long);
+    assert_eq!(error.matches("the model has more than 4000000 characters").count(), 1, "{}", error.len());
     // The names of the values are found at once, too.
     let body = format!("float a = L.x; {} return vec3(a);", "a = a*1.0001 + 0.1; ".repeat(3_900));
     assert!(formula_of_brdf(&Source::new("many", file("", &shader("", &body)))).is_ok());
