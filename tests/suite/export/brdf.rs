@@ -314,6 +314,12 @@ fn whole_numbers_are_divided_as_in_glsl_or_not_at_all() {
     assert!(refusal("", "return vec3(1/0);").contains("divided by 0"));
     assert!(refusal("", "int i = 1; i %= 2; return L;").contains("cannot be translated"));
     assert!(refusal("", "return vec3(3 % 2);").contains("operators of whole numbers are not translated"));
+    let before = "float f(float x) { return 1.0; } float f(int n) { return 2.0*n; }";
+    let body = "return vec3(f(2), f(2.0), f(max(1, 2)));";
+    let formula = imported("overloads", &file("", &shader(before, body))).expect("two functions");
+    let mut rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
+    let found = model(&formula, &variables(&mut rng), &[]);
+    assert!(found.iter().zip([4.0, 1.0, 4.0]).all(|(found, expected)| (found - expected).abs() <= 1e-3), "{found:?}");
     let body = "int i = 1; if (L.x > -2.0) i = 3; i += 4*(L.x > -2.0 ? 2 : 1) + 7/2; return vec3(i*0.5, i/2.0, float(i)/-2);";
     let formula = imported("whole", &file("", &shader("", body))).expect("whole numbers");
     let mut rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);

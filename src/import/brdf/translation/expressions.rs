@@ -208,7 +208,12 @@ impl Translation<'_> {
         };
         let own = |index: &usize| self.shader.functions[*index].name.text == name.text;
         let candidates: Vec<usize> = (0..self.shader.functions.len()).filter(own).collect();
-        if let Some(index) = candidates.iter().find(|index| fits(&self.shader.functions[**index])) {
+        let is_same = |function: &GlslFunction| match &function.parameters {
+            Ok(parameters) => given.iter().map(|own| own.ty).eq(parameters.iter().map(|(_, ty)| *ty)),
+            Err(_) => false,
+        };
+        let same = candidates.iter().find(|index| is_same(&self.shader.functions[**index]));
+        if let Some(index) = same.or_else(|| candidates.iter().find(|index| fits(&self.shader.functions[**index]))) {
             let form = scope.form.clone();
             return self.call(*index, given, span, &form);
         }
