@@ -1,5 +1,8 @@
 #!/usr/bin/env python3
-"""Measures how well workers share a sweep: the time of one process, over that of the workers times their number.
+"""Measures how well workers share a sweep: the time of one worker, over that of several times their number.
+
+There are two such figures. One worker may do the same job, part after part. Or it may make all pictures at once, and
+trace only once; then the figure includes what tracing again costs.
 
     tests/farm/efficiency.py [--workers 2] [--pictures 200] [ILLUMINATOR]
 
@@ -41,13 +44,18 @@ def main():
         start = time.monotonic()
         run("-o", "alone-%04d.png")
         alone = time.monotonic() - start
-        start = time.monotonic()
-        with ThreadPoolExecutor(options.workers) as workers:
-            list(workers.map(lambda part: run("-o", "frame-%04d.png", "--part", f"{part}/{parts}"), range(1, parts + 1)))
-        run("-o", "frame-%04d.png", "--merge")
-        shared = time.monotonic() - start
-    efficiency = alone / shared / options.workers
-    print(f"one process {alone:.2f} s; {options.workers} workers, {parts} parts {shared:.2f} s; efficiency {efficiency:.3f}")
+
+        def job(name, count):
+            start = time.monotonic()
+            with ThreadPoolExecutor(count) as workers:
+                list(workers.map(lambda part: run("-o", f"{name}-%04d.png", "--part", f"{part}/{parts}"), range(1, parts + 1)))
+            run("-o", f"{name}-%04d.png", "--merge")
+            return time.monotonic() - start
+
+        single, shared = job("single", 1), job("shared", options.workers)
+    print(f"all at once {alone:.2f} s; {parts} parts: one worker {single:.2f} s, {options.workers} workers {shared:.2f} s")
+    efficiency = [whole / shared / options.workers for whole in (single, alone)]
+    print(f"efficiency {efficiency[0]:.3f}; against all at once {efficiency[1]:.3f}")
 
 
 main()
