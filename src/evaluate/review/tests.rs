@@ -227,3 +227,23 @@ fn only_remarkable_pictures_are_summarised() {
     let summary = PictureSummary::of(&undefined);
     assert_eq!((summary.nan, summary.first_nan, summary.range), (1, Some(1), [0.0, 0.5]));
 }
+
+#[test]
+fn large_pictures_are_summarised_like_small_ones() {
+    // More pixels than a thread takes at once, and not a multiple of the numbers that are compared side by side.
+    let pixels = 40_001;
+    let mut frame = Frame { width: pixels as u32, height: 1, linear: vec![[0.5; 3]; pixels] };
+    assert_eq!(PictureSummary::of(&frame).only_colour, Some([0.5; 3]));
+    for at in [0, 7, 16_383, 16_384, 39_999, 40_000] {
+        let mut changed = frame.clone();
+        changed.linear[at] = [-3.0, 0.5, 7.0];
+        let summary = PictureSummary::of(&changed);
+        assert_eq!((summary.range, summary.nan, summary.only_colour), ([-3.0, 7.0], 0, None), "pixel {at}");
+    }
+    for at in [40_000, 20_000, 123] {
+        frame.linear[at][1] = f32::NAN;
+    }
+    frame.linear[40_000][2] = 9.0;
+    let summary = PictureSummary::of(&frame);
+    assert_eq!((summary.pixels, summary.nan, summary.first_nan, summary.range), (pixels, 3, Some(123), [0.5, 9.0]));
+}
