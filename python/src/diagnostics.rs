@@ -1,13 +1,12 @@
 //! Errors and warnings of texts, with their places, as exceptions and warnings of Python.
 
 use illuminator::engine::EngineError;
-use illuminator::files::Readable;
 use illuminator::formula::Formula;
 use illuminator::lang::diagnostic::{Diagnostic as EngineDiagnostic, Diagnostics, Severity};
 use illuminator::lang::source::Source;
 use illuminator::scene::Scene;
 use illuminator::workspace::project::{Listener, OpenProjectError};
-use illuminator::workspace::{FileKind, Library, Location, Session, kind_of};
+use illuminator::workspace::{FileKind, Library, Session, kind_of};
 use pyo3::exceptions::{PyException, PyUserWarning};
 use pyo3::prelude::*;
 use std::ffi::CString;
@@ -231,28 +230,6 @@ pub(crate) fn warn_of_several(py: Python<'_>, texts: &[String]) -> PyResult<()> 
     match texts.len().saturating_sub(MOST_WARNINGS) {
         0 => Ok(()),
         more => warn(py, &format!("{more} more values are not used as given")),
-    }
-}
-
-/// A formula or a scene to read: at a location, or a text.
-pub(crate) fn source_of(location: &Location, kind: FileKind, text: Option<String>) -> Result<Source, OpenProjectError> {
-    Ok(match text {
-        Some(text) => Source::new(location.to_string(), text),
-        None => location.read(kind, Readable::Regular).map_err(|error| {
-            // A text in place of a path is an easy mistake.
-            let is_text = kind_of(&location.to_string()) == Some(kind);
-            let way = format!("that is the text of a {0}; use `{1}.parse(text)`", kind.noun(), class_of(kind));
-            if is_text { EngineDiagnostic::error(way) } else { error }
-        })?,
-    })
-}
-
-/// The class of Python for a kind of text.
-fn class_of(kind: FileKind) -> &'static str {
-    match kind {
-        FileKind::Formula => "Formula",
-        FileKind::Scene => "Scene",
-        FileKind::Session | FileKind::Material => "Session",
     }
 }
 

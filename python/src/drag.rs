@@ -13,11 +13,15 @@ use illuminator::workspace::OwnerId;
 use numpy::PyArray3;
 use pyo3::prelude::*;
 use rayon::ThreadPool;
+use rayon::prelude::*;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
 
 /// The memory that a drag may keep, in bytes, if there is no limit.
 const MOST: usize = 1 << 30;
+
+/// How many pixels a thread turns into bytes at a time.
+const PIXELS_AT_ONCE: usize = 1 << 14;
 
 /// A held slider, see [`Session::drag`]. It begins with the `with` block.
 #[pyclass(module = "illuminator", frozen)]
@@ -61,8 +65,7 @@ impl Drag {
         arrays::picture(py, frame)
     }
 
-    /// The picture with the slider at this value as bytes, as [`Session.image`] gives it: the fastest way to a picture
-    /// to look at.
+    /// The picture with the slider at this value as bytes, as [`Session.image`] gives it.
     fn image<'py>(&self, py: Python<'py>, value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray3<u8>>> {
         let value = self.numbers(value)?;
         let (bytes, size) = interruptible(py, |_| self.bytes(value))??;
@@ -143,7 +146,12 @@ impl Drag {
         let Held { drag, framebuffer, pool, .. } = held.as_mut().ok_or_else(not_held)?;
         let numbers = self.moved(value);
         on_threads(pool.as_deref(), || drag.frame(&numbers, framebuffer));
-        let bytes = framebuffer.pixels.iter().flat_map(|pixel| [16, 8, 0].map(|shift| (pixel >> shift) as u8)).collect();
-        Ok((bytes, [framebuffer.width, framebuffer.height]))
+        let mut bytes = vec![[0; 3]; framebuffer.pixels.len()];
+        on_threads(pool.as_deref(), || {
+            let pairs = bytes.par_iter_mut().zip(&framebuffer.pixels).with_min_len(PIXELS_AT_ONCE);
+            // A pixel is 0x00RRGGBB.
+            pairs.for_each(|(bytes, pixel)| bytes.copy_from_slice(&pixel.to_be_bytes()[1..]));
+        });
+        Ok((bytes.into_flattened(), [framebuffer.width, framebuffer.height]))
     }
 }

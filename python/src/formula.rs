@@ -2,13 +2,12 @@
 
 use crate::arrays;
 use crate::at_point;
-use crate::diagnostics::{Found, failure, source_of};
+use crate::diagnostics::failure;
+use crate::texts;
 use illuminator::export::{ExportTarget, export};
 use illuminator::formula::{Formula as EngineFormula, Parameter as EngineParameter, Term};
-use illuminator::lang::diagnostic::Diagnostics;
 use illuminator::lang::source::Source;
 use illuminator::lang::types::Type;
-use illuminator::workspace::project::{Listener, OpenProjectError};
 use illuminator::workspace::textures::parse_formula;
 use illuminator::workspace::{FileKind, Location};
 use pyo3::prelude::*;
@@ -87,8 +86,9 @@ pub(crate) struct Formula {
 impl Formula {
     /// Reads a formula: a path, or `preset:NAME`.
     #[new]
-    fn new(py: Python<'_>, location: PathBuf) -> PyResult<Self> {
-        Self::read(py, Location::new(location), None)
+    #[pyo3(signature = (location))]
+    fn new(location: &Bound<'_, PyAny>) -> PyResult<Self> {
+        Self::read(location.py(), texts::location(location, FileKind::Formula)?, None)
     }
 
     /// Parses a text. `name` is what messages call it, and paths in the text start from its folder.
@@ -137,8 +137,8 @@ impl Formula {
     }
 
     /// The value of the formula, or of the macro `of`, at points without a scene. Variables and parameters are given by
-    /// name: numbers, or arrays that broadcast; those of vectors have a last axis of 3. N is <0, 0, 1> unless given, and
-    /// `R`, `H`, `alpha` and others follow from N, L and V. Parameters have their defaults unless given. Returns an
+    /// name: numbers, or arrays that broadcast; those of vectors have a last axis of 3. N is <0, 0, 1> unless given,
+    /// and `R`, `H`, `alpha` and others follow from N, L and V. Parameters have their defaults unless given. Returns an
     /// array of the broadcast shape, with a last axis of 3 for a vector.
     #[pyo3(signature = (of=None, **given))]
     fn __call__<'py>(
@@ -176,36 +176,16 @@ impl Formula {
 }
 
 impl Formula {
-    /// The formula at a location that Python gives.
-    pub(crate) fn of(location: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let wanted = || failure("give a formula: a path, `preset:NAME`, or a Formula");
-        Self::read(location.py(), Location::new(location.extract::<PathBuf>().map_err(|_| wanted())?), None)
+    /// A formula, or the one at a location.
+    pub(crate) fn of(given: &Bound<'_, PyAny>) -> PyResult<Self> {
+        match given.cast::<Self>() {
+            Ok(formula) => Ok(formula.get().clone()),
+            Err(_) => Self::read(given.py(), texts::location(given, FileKind::Formula)?, None),
+        }
     }
 
     fn read(py: Python<'_>, location: Location, text: Option<String>) -> PyResult<Self> {
-        let mut found = Found::default();
-        let outcome = source_of(&location, FileKind::Formula, text).and_then(|source| {
-            let parsed = parse_formula(&source, &location);
-            told(parsed, &source, &mut found).map(|formula| Self { location, source, formula })
-        });
-        found.settle(py, outcome)
-    }
-}
-
-/// What was parsed, if it has no errors. The listener hears of all diagnostics.
-pub(crate) fn told<T>(
-    parsed: Result<(T, Diagnostics), Diagnostics>,
-    source: &Source,
-    listener: &mut dyn Listener,
-) -> Result<T, OpenProjectError> {
-    match parsed {
-        Ok((value, warnings)) => {
-            listener.diagnostics(&warnings, source);
-            Ok(value)
-        }
-        Err(errors) => {
-            listener.diagnostics(&errors, source);
-            Err(OpenProjectError::Reported)
-        }
+        let (source, formula) = texts::read(py, &location, FileKind::Formula, text, |source| parse_formula(source, &location))?;
+        Ok(Self { location, source, formula })
     }
 }

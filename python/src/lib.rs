@@ -8,19 +8,16 @@ mod at_point;
 mod diagnostics;
 mod drag;
 mod formula;
+mod hits;
 mod scene;
 mod session;
 mod sweep;
+mod texts;
 mod work;
 
 use illuminator::workspace::{FileKind, presets};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-
-/// The name of a kind of file in Python.
-fn kind_name(kind: FileKind) -> &'static str {
-    kind.word()
-}
 
 /// The built-in files: `{"session": {"default": "…", …}, "formula": …, "scene": …, "material": …}`, each name with a
 /// line about it.
@@ -33,7 +30,7 @@ fn presets_by_kind(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
         for preset in presets::all(kind) {
             of_kind.set_item(preset.name, preset.about)?;
         }
-        all.set_item(kind_name(kind), of_kind)?;
+        all.set_item(kind.word(), of_kind)?;
     }
     Ok(all)
 }

@@ -1,7 +1,6 @@
 //! Scenes: their text and what they declare.
 
-use crate::diagnostics::{Found, source_of};
-use crate::formula::told;
+use crate::texts;
 use illuminator::lang::source::Source;
 use illuminator::scene::Scene as EngineScene;
 use illuminator::workspace::{FileKind, Location};
@@ -21,8 +20,9 @@ pub(crate) struct Scene {
 impl Scene {
     /// Reads a scene: a path, or `preset:NAME`.
     #[new]
-    fn new(py: Python<'_>, location: PathBuf) -> PyResult<Self> {
-        Self::read(py, Location::new(location), None)
+    #[pyo3(signature = (location))]
+    fn new(location: &Bound<'_, PyAny>) -> PyResult<Self> {
+        Self::read(location.py(), texts::location(location, FileKind::Scene)?, None)
     }
 
     /// Parses a text. `name` is what messages call it, and paths in the text start from its folder.
@@ -68,11 +68,7 @@ impl Scene {
 
 impl Scene {
     fn read(py: Python<'_>, location: Location, text: Option<String>) -> PyResult<Self> {
-        let mut found = Found::default();
-        let outcome = source_of(&location, FileKind::Scene, text).and_then(|source| {
-            let parsed = EngineScene::parse(&source);
-            told(parsed, &source, &mut found).map(|scene| Self { location, source, scene })
-        });
-        found.settle(py, outcome)
+        let (source, scene) = texts::read(py, &location, FileKind::Scene, text, EngineScene::parse)?;
+        Ok(Self { location, source, scene })
     }
 }

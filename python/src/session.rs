@@ -9,6 +9,7 @@ use crate::arrays;
 use crate::diagnostics::{engine_failure, failure, warn};
 use crate::drag::Drag;
 use crate::formula::Formula;
+use crate::hits;
 use crate::sweep::{self, Sweep};
 use crate::work::{interruptible, lock};
 use arguments::SessionArguments;
@@ -16,7 +17,6 @@ use illuminator::engine::Subject;
 use illuminator::files::{Readable, reason};
 use illuminator::lang::source::Source;
 use illuminator::picture::{Format, Frame, file_bytes, quantise, save};
-use illuminator::trace::MAX_PASSES;
 use illuminator::workspace::session::PictureSettings;
 use illuminator::workspace::{FileKind, Location, NamedAssignment, Session as SessionFile, Values};
 use names::assignment;
@@ -25,7 +25,7 @@ use numpy::PyArray3;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyIterator};
 use std::path::PathBuf;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 pub(crate) use tracing::{Tracing, mean, on_threads};
 
 /// A formula on a scene, with the values of all parameters.
@@ -84,12 +84,8 @@ impl Session {
         let given = arguments.given()?;
         let means = tracing::Means { backend, threads: given.threads, memory: given.memory };
         let (project, set) = open::open(py, given)?;
-        let passes = project.picture.passes();
-        if !(1..=MAX_PASSES).contains(&passes) {
-            return Err(failure(format!("`samples` is {passes}; it can be 1 to {MAX_PASSES}")));
-        }
         let session = Self {
-            tracing: Mutex::new(Tracing::new(project.subject.clone(), passes, means)?),
+            tracing: Mutex::new(Tracing::new(project.subject.clone(), project.picture.passes(), means)?),
             subject: project.subject,
             picture: project.picture,
             formula: (project.formula_location, project.formula_text),
@@ -145,8 +141,8 @@ impl Session {
     }
 
     /// Sets values: `set("ball.kd", 0.3)`, `set({"ball.kd": 0.3, "*.Cd": "#ff8000"})` or `set("ball.kd=0.3")`. A value
-    /// is a number, three numbers, a colour `#rrggbb`, the name of a choice, or the path of an image. There is a warning
-    /// for each value that is not used as given, because it is outside its range or breaks an invariant.
+    /// is a number, three numbers, a colour `#rrggbb`, the name of a choice, or the path of an image. There is a
+    /// warning for each value that is not used as given, because it is outside its range or breaks an invariant.
     #[pyo3(signature = (name, value=None))]
     fn set(&self, py: Python<'_>, name: &Bound<'_, PyAny>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let given: Vec<NamedAssignment> = match (name.cast::<PyDict>(), value) {
@@ -234,8 +230,8 @@ impl Session {
         .map_err(failure)
     }
 
-    /// Writes the session with all values, as a file that every part of Illuminator opens. Its formula and its scene must
-    /// be files, or built in.
+    /// Writes the session with all values to a file, for the window and the command line too. Its formula and its scene
+    /// must be files, or built in.
     fn save_session(&self, path: PathBuf) -> PyResult<()> {
         for (kind, (location, source)) in [(FileKind::Formula, &self.formula), (FileKind::Scene, &self.scene)] {
             let there = location.read(kind, Readable::Regular);
@@ -274,7 +270,7 @@ impl Session {
     /// `paths.parent` and others. A row of `records` is a pair of a hit and a light. The largest number of a column of
     /// whole numbers stands for none.
     fn hits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        sweep::hits(py, self)
+        hits::hits(py, self)
     }
 
     /// Holds a slider: `with session.drag("ball.kd") as drag: picture = drag(0.3)`. A picture computes only what the
@@ -283,16 +279,13 @@ impl Session {
         Drag::new(slf, name)
     }
 
-    /// The same scene, view and settings with another formula, and the values that both have. Rays are not traced again.
+    /// The same scene, view and settings with another formula, and the values that both have. Rays are not traced
+    /// again.
     fn with_formula(&self, formula: &Bound<'_, PyAny>) -> PyResult<Session> {
         let py = formula.py();
-        let formula = match formula.cast::<Formula>() {
-            Ok(formula) => formula.get().clone(),
-            Err(_) => Formula::of(formula)?,
-        };
-        let Formula { location, source, formula } = formula;
+        let Formula { location, source, formula } = Formula::of(formula)?;
         let (values, warnings) = self.values_now().carry_over(&formula, self.subject.world.scene());
-        let subject = Subject { formula: std::sync::Arc::new(formula), ..self.subject.clone() };
+        let subject = Subject { formula: Arc::new(formula), ..self.subject.clone() };
         let tracing = py.detach(|| lock(&self.tracing).with_subject(subject.clone()));
         warnings.iter().try_for_each(|warning| warn(py, &warning.to_string()))?;
         Ok(Session {

@@ -1,21 +1,16 @@
-//! Several pictures at once: sweeps. And the hits of all passes as arrays.
+//! Sweeps: pictures that differ in some values.
 
-use crate::arrays;
 use crate::diagnostics::{engine_failure, failure, warn_of_several};
 use crate::session::{Session, named_value};
 use crate::work::{interruptible, lock};
-use illuminator::engine::{EngineError, Task};
+use illuminator::engine::EngineError;
 use illuminator::lang::memory_size::MemorySize;
 use illuminator::picture::Frame;
-use illuminator::trace::tables::{ColumnStore, ColumnType, HitColumn, HitTables};
+use illuminator::workspace::variation::{MOST_PICTURES, count_pictures, steps_of_picture};
 use illuminator::workspace::{Values, Variation, VariedValues};
 use numpy::{IntoPyArray, PyArray4, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::io;
-
-/// A sweep has at most this many pictures.
-const MOST_PICTURES: usize = 10_000;
 
 /// The pictures of a sweep.
 #[pyclass(module = "illuminator", frozen, get_all)]
@@ -53,10 +48,11 @@ fn cells(py: Python<'_>, session: &Session, vary: &[String]) -> PyResult<Vec<(Va
         .iter()
         .map(|text| text.parse::<Variation>().and_then(|variation| variation.resolve(&base)).map_err(failure))
         .collect::<PyResult<Vec<VariedValues>>>()?;
-    let count = varied.iter().try_fold(1_usize, |count, varied| count.checked_mul(varied.count() as usize));
-    let count = count.filter(|count| *count <= MOST_PICTURES && !varied.is_empty());
-    let count =
-        count.ok_or_else(|| failure(format!("give one to {MOST_PICTURES} pictures, as in `sweep(\"ball.kd=0..1:5\")`")))?;
+    if varied.is_empty() {
+        return Err(failure("give what is varied, as in `sweep(\"ball.kd=0..1:5\")`"));
+    }
+    let most = format!("pictures; a sweep can have {MOST_PICTURES}");
+    let count = count_pictures(&varied).map_err(|count| failure(format!("that would be {count} {most}")))?;
     let mut warnings = Vec::new();
     let cells = (0..count)
         .map(|index| {
@@ -112,17 +108,11 @@ fn cell<'py>(
     py: Python<'py>,
     base: &Values,
     varied: &[VariedValues],
-    index: usize,
+    index: u32,
 ) -> PyResult<(Values, Bound<'py, PyDict>, Vec<String>)> {
-    let mut rest = index;
-    let mut steps = vec![0; varied.len()];
-    for (step, varied) in steps.iter_mut().zip(varied).rev() {
-        *step = (rest % varied.count() as usize) as u32;
-        rest /= varied.count() as usize;
-    }
     let mut assignments = Vec::new();
-    for (varied, step) in varied.iter().zip(&steps) {
-        varied.assign(*step, base, &mut assignments);
+    for (varied, step) in varied.iter().zip(steps_of_picture(index, varied)) {
+        varied.assign(step, base, &mut assignments);
     }
     let mut values = base.clone();
     let warnings = values.assign(&assignments).iter().map(ToString::to_string).collect();
@@ -133,65 +123,4 @@ fn cell<'py>(
         names.set_item(table.label(owner, id), named_value(py, table.parameter(id), values.get(owner, id))?)?;
     }
     Ok((values, names, warnings))
-}
-
-/// A column in memory.
-enum Numbers {
-    Whole(Vec<u32>),
-    Real(Vec<f32>),
-}
-
-impl ColumnStore for Numbers {
-    fn whole(&mut self, number: u32) -> io::Result<()> {
-        if let Numbers::Whole(numbers) = self {
-            numbers.push(number);
-        }
-        Ok(())
-    }
-
-    fn real(&mut self, numbers: &[f32]) -> io::Result<()> {
-        if let Numbers::Real(all) = self {
-            all.extend_from_slice(numbers);
-        }
-        Ok(())
-    }
-}
-
-/// The hits of all passes as arrays by name, see [`Session`].
-pub(crate) fn hits<'py>(py: Python<'py>, session: &Session) -> PyResult<Bound<'py, PyDict>> {
-    let tables = interruptible(py, |task| filled(session, task))??;
-    let all = PyDict::new(py);
-    for table in tables.tables() {
-        for (column, numbers) in table.columns {
-            let array = match numbers {
-                Numbers::Whole(numbers) => arrays::rows(py, numbers, column.components)?,
-                Numbers::Real(numbers) => arrays::rows(py, numbers, column.components)?,
-            };
-            all.set_item(format!("{}.{}", table.name, column.name), array)?;
-        }
-    }
-    Ok(all)
-}
-
-/// The tables of the hits of all passes.
-fn filled(session: &Session, task: &Task) -> PyResult<HitTables<Numbers>> {
-    let mut tracing = lock(&session.tracing);
-    let mut tables = HitTables::new(&mut |_, column: &HitColumn| {
-        Ok(match column.ty {
-            ColumnType::U32 => Numbers::Whole(Vec::new()),
-            ColumnType::F32 => Numbers::Real(Vec::new()),
-        })
-    })
-    .map_err(failure)?;
-    let allowed = tracing.memory();
-    for pass in 0..session.picture.passes() {
-        let hits = tracing.traced(pass, task).map_err(engine_failure)?;
-        let needed = tables.bytes_with(&hits.counts());
-        if needed > allowed {
-            let (needed, allowed) = (MemorySize(needed), MemorySize(allowed));
-            return Err(failure(format!("the hits take {needed} of memory, and {allowed} may be used; `memory=` allows more")));
-        }
-        tables.add_pass(&hits, task.cancelled).map_err(failure)?;
-    }
-    Ok(tables)
 }

@@ -129,7 +129,7 @@ def test_values_that_do_not_fit_are_explained(studio, name, value, message):
     ({"memory": "much"}, "`memory` is 'much'"),
     ({"background": [1, 2]}, "`background`"),
     ({"set": ["ball.kd"]}, "names with values"),
-    ({"formula": illuminator.Scene("preset:studio")}, "is no Formula"),
+    ({"formula": illuminator.Scene("preset:studio")}, "is no formula"),
     ({"samples": 0}, "samples"),
     ({"threads": 0}, "threads"),
     ({"threads": 1000000}, "threads"),

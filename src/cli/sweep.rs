@@ -126,7 +126,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         return work.write_job(kind, &target);
     }
     if options.farm.merge {
-        return work.merge(&target, sheet);
+        return work.merge(target, sheet);
     }
     if let Some(part) = options.farm.part {
         return work.make_part(part, &target);

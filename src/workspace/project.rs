@@ -343,7 +343,10 @@ fn read_text<T>(
 }
 
 /// Reports the diagnostics of a text, and returns what it was parsed into if there were no errors.
-fn accept<T>(
+///
+/// # Errors
+/// There were errors, which the listener has received.
+pub fn accept<T>(
     outcome: Result<(T, Diagnostics), Diagnostics>,
     source: &Source,
     listener: &mut dyn Listener,

@@ -15,6 +15,9 @@ use crate::workspace::warning::show;
 use std::fmt;
 use std::str::FromStr;
 
+/// Several variations together have at most this many pictures.
+pub const MOST_PICTURES: u32 = 10_000;
+
 /// A variation has at most this many steps.
 pub const MOST_STEPS: u32 = 10_000;
 
@@ -381,6 +384,29 @@ impl VariedValues {
         let component = self.component.is_none() || self.component == other.component;
         component && other.targets.iter().all(|target| self.targets.contains(target))
     }
+}
+
+/// How many pictures variations have together: one for each combination of their steps. The error is a number that is
+/// larger than [`MOST_PICTURES`].
+pub fn count_pictures(varied: &[VariedValues]) -> Result<u32, u64> {
+    let product = varied.iter().fold(1_u64, |product, varied| product.saturating_mul(u64::from(varied.count())));
+    u32::try_from(product).ok().filter(|count| *count <= MOST_PICTURES).ok_or(product)
+}
+
+/// The step of each variation in the picture of this index. The last one changes fastest.
+pub fn steps_of_picture(index: u32, varied: &[VariedValues]) -> Vec<u32> {
+    let mut rest = index;
+    let mut steps: Vec<u32> = varied
+        .iter()
+        .rev()
+        .map(|varied| {
+            let step = rest % varied.count();
+            rest /= varied.count();
+            step
+        })
+        .collect();
+    steps.reverse();
+    steps
 }
 
 #[cfg(test)]

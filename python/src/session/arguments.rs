@@ -1,18 +1,16 @@
 //! The arguments of a session in Python, and what is wrong with them.
 
 use crate::diagnostics::failure;
-use crate::formula::Formula;
-use crate::scene::Scene;
 use crate::session::names::assignment;
-use crate::session::open::{self, Given, Place};
+use crate::session::open::{self, Given};
+use crate::texts::location;
 use illuminator::lang::ast::Constant;
 use illuminator::trace::{MAX_DEPTH, MAX_PASSES, MAX_SIDE};
 use illuminator::workspace::assignment::parse_value;
-use illuminator::workspace::{FileKind, NamedAssignment, kind_of};
+use illuminator::workspace::{FileKind, NamedAssignment};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 use std::collections::HashMap;
-use std::path::PathBuf;
 
 /// The arguments as they are given.
 pub(super) struct SessionArguments<'py> {
@@ -74,11 +72,6 @@ fn colour(value: &Bound<'_, PyAny>) -> Option<[f32; 3]> {
     }
 }
 
-/// A path, or `preset:NAME`.
-fn path(value: &Bound<'_, PyAny>) -> Option<PathBuf> {
-    value.extract().ok()
-}
-
 fn values(dictionary: &Bound<'_, PyAny>) -> PyResult<Vec<NamedAssignment>> {
     let given =
         dictionary.cast::<PyDict>().map_err(|_| wrong("set", dictionary, "names with values, as in {\"ball.kd\": 0.3}"))?;
@@ -88,10 +81,7 @@ fn values(dictionary: &Bound<'_, PyAny>) -> PyResult<Vec<NamedAssignment>> {
 impl SessionArguments<'_> {
     /// What they mean.
     pub(super) fn given(&self) -> PyResult<Given> {
-        let session = read("session", &self.session, "a path, or `preset:NAME`", path)?;
-        if session.as_ref().and_then(|path| path.to_str()).and_then(kind_of) == Some(FileKind::Session) {
-            return Err(failure("that is the text of a session; write it to a file"));
-        }
+        let session = self.session.as_ref().map(|session| location(session, FileKind::Session)).transpose()?;
         let side = format!("width and height in pixels, each 1 to {MAX_SIDE}");
         let size = read("size", &self.size, &side, |value| {
             let sides: [Bound<'_, PyAny>; 2] = value.extract().ok()?;
@@ -105,12 +95,10 @@ impl SessionArguments<'_> {
         })?;
         let materials = materials.unwrap_or_default();
         let materials = materials.iter().map(|(body, name)| format!("{body}={name}").parse().map_err(failure));
-        let formula: Option<Place> = self.formula.as_ref().map(open::location::<Formula>).transpose()?;
-        let scene: Option<Place> = self.scene.as_ref().map(open::location::<Scene>).transpose()?;
         Ok(Given {
             session,
-            formula,
-            scene,
+            formula: self.formula.as_ref().map(open::formula).transpose()?,
+            scene: self.scene.as_ref().map(open::scene).transpose()?,
             size,
             samples: count("samples", &self.samples, MAX_PASSES)?,
             depth: count("depth", &self.depth, MAX_DEPTH)?,

@@ -1,26 +1,24 @@
 //! Opening a session with the arguments of Python.
 
-use crate::diagnostics::{Found, failure};
+use crate::diagnostics::Found;
 use crate::formula::Formula;
 use crate::scene::Scene;
+use crate::texts::location;
 use crate::work::interruptible;
 use illuminator::lang::source::Source;
 use illuminator::workspace::materials::MaterialAssignment;
 use illuminator::workspace::presets::DEFAULT_SESSION;
 use illuminator::workspace::project::{Project, Request, SessionText};
 use illuminator::workspace::session::PictureSettings;
-use illuminator::workspace::{FileKind, Location, NamedAssignment, kind_of};
-use pyo3::PyClass;
+use illuminator::workspace::{FileKind, Location, NamedAssignment};
 use pyo3::prelude::*;
-use pyo3::pyclass::boolean_struct::True;
-use std::path::PathBuf;
 
 /// Where a formula or a scene is, and its text if Python has it.
 pub(super) type Place = (Location, Option<Source>);
 
 /// The arguments that say what to open.
 pub(super) struct Given {
-    pub(super) session: Option<PathBuf>,
+    pub(super) session: Option<Location>,
     pub(super) formula: Option<Place>,
     pub(super) scene: Option<Place>,
     pub(super) size: Option<[u32; 2]>,
@@ -36,53 +34,29 @@ pub(super) struct Given {
     pub(super) memory: Option<u64>,
 }
 
-/// An object that stands for a text.
-pub(super) trait Text: PyClass<Frozen = True> + Sync {
-    /// The name of the class.
-    const CLASS: &'static str;
-
-    fn place(&self) -> Place;
-}
-
-impl Text for Formula {
-    const CLASS: &'static str = "Formula";
-
-    fn place(&self) -> Place {
-        (self.location.clone(), Some(self.source.clone()))
+/// Where the formula is that an argument names.
+pub(super) fn formula(given: &Bound<'_, PyAny>) -> PyResult<Place> {
+    match given.cast::<Formula>() {
+        Ok(formula) => Ok((formula.get().location.clone(), Some(formula.get().source.clone()))),
+        Err(_) => Ok((location(given, FileKind::Formula)?, None)),
     }
 }
 
-impl Text for Scene {
-    const CLASS: &'static str = "Scene";
-
-    fn place(&self) -> Place {
-        (self.location.clone(), Some(self.source.clone()))
+/// Where the scene is that an argument names.
+pub(super) fn scene(given: &Bound<'_, PyAny>) -> PyResult<Place> {
+    match given.cast::<Scene>() {
+        Ok(scene) => Ok((scene.get().location.clone(), Some(scene.get().source.clone()))),
+        Err(_) => Ok((location(given, FileKind::Scene)?, None)),
     }
 }
 
-/// Where a text is that an argument names: an object, a path, or `preset:NAME`.
-pub(super) fn location<T: Text>(given: &Bound<'_, PyAny>) -> PyResult<Place> {
-    match given.cast::<T>() {
-        Ok(text) => Ok(text.get().place()),
-        Err(_) => {
-            let path = given.extract::<PathBuf>().map_err(|_| {
-                let shown = given.repr().map_or_else(|_| "that".to_owned(), |text| text.to_string());
-                failure(format!("{shown} is no {0}; give a path, `preset:NAME`, or a {0}", T::CLASS))
-            })?;
-            match path.to_str().and_then(kind_of) {
-                Some(kind) => Err(failure(format!("that is the text of a {}; use `{}.parse(text)`", kind.noun(), T::CLASS))),
-                None => Ok((Location::new(path), None)),
-            }
-        }
-    }
-}
-
-/// Opens the session. Returns the values that are to be set in it. There is a warning of Python for everything that is accepted and probably not meant.
+/// Opens the session. Returns it with the values that are to be set in it. Python gets a warning for each thing that is
+/// accepted and probably not meant.
 pub(super) fn open(py: Python<'_>, given: Given) -> PyResult<(Project, Vec<NamedAssignment>)> {
     let session = match (&given.session, &given.formula, &given.scene) {
         (None, Some(_), Some(_)) => None,
         (None, ..) => Some(Location::Preset(DEFAULT_SESSION.to_owned())),
-        (Some(session), ..) => Some(Location::new(session)),
+        (Some(session), ..) => Some(session.clone()),
     };
     let text = |place: &Option<Place>| place.as_ref().and_then(|(_, source)| source.clone());
     let texts = |kind: FileKind| match kind {
@@ -90,7 +64,7 @@ pub(super) fn open(py: Python<'_>, given: Given) -> PyResult<(Project, Vec<Named
         FileKind::Scene => text(&given.scene),
         FileKind::Session | FileKind::Material => None,
     };
-    let location = |place: &Option<Place>| place.as_ref().map(|(location, _)| location.clone());
+    let place = |place: &Option<Place>| place.as_ref().map(|(location, _)| location.clone());
     let change = |picture: &mut PictureSettings| {
         picture.size = given.size.unwrap_or(picture.size);
         picture.samples = given.samples.or(picture.samples);
@@ -102,8 +76,8 @@ pub(super) fn open(py: Python<'_>, given: Given) -> PyResult<(Project, Vec<Named
     let outcome = interruptible(py, |task| {
         let request = Request {
             session: session.map(SessionText::At),
-            formula: location(&given.formula),
-            scene: location(&given.scene),
+            formula: place(&given.formula),
+            scene: place(&given.scene),
             texts: Some(&texts),
             materials: &given.materials,
             picture: Some(&change),

@@ -5,13 +5,11 @@ use illuminator::formula::ParameterId;
 use illuminator::lang::diagnostic::Diagnostic;
 use illuminator::lang::display_text::one_line;
 use illuminator::workspace::project::Project;
+use illuminator::workspace::variation::{MOST_PICTURES, count_pictures, steps_of_picture};
 use illuminator::workspace::warning::Cause;
 use illuminator::workspace::{Assignment, ValueWarning, Values, VariedValues};
 use std::collections::{BTreeMap, BTreeSet};
 use std::mem::{Discriminant, discriminant};
-
-/// A sweep has at most this many pictures.
-const MOST_PICTURES: u32 = 10_000;
 
 /// A parameter that is varied, with the values that the pictures have.
 pub(super) struct SweptParameter {
@@ -62,14 +60,10 @@ pub(super) struct Cells {
 
 /// The number of pictures.
 pub(super) fn count(varied: &[VariedValues]) -> Result<u32, Failure> {
-    let product = varied.iter().map(|varied| u64::from(varied.count())).product::<u64>();
-    match u32::try_from(product) {
-        Ok(count) if count <= MOST_PICTURES => Ok(count),
-        Ok(_) | Err(_) => {
-            let message = format!("that would be {product} pictures; a sweep can have {MOST_PICTURES}");
-            Err(Failure::CommandLine(Diagnostic::error(message).help("give fewer values behind the `:` of `--vary`")))
-        }
-    }
+    count_pictures(varied).map_err(|count| {
+        let message = format!("that would be {count} pictures; a sweep can have {MOST_PICTURES}");
+        Failure::CommandLine(Diagnostic::error(message).help("give fewer values behind the `:` of `--vary`"))
+    })
 }
 
 impl Cells {
@@ -80,7 +74,7 @@ impl Cells {
         let mut used: Vec<BTreeMap<u32, Option<Vec<f32>>>> = varied.iter().map(|_| BTreeMap::new()).collect();
         let mut cells = Vec::new();
         for index in 0..count(varied)? {
-            let steps = steps(index, varied);
+            let steps = steps_of_picture(index, varied);
             let mut assignments = Vec::new();
             for (varied, step) in varied.iter().zip(&steps) {
                 varied.assign(*step, &project.values, &mut assignments);
@@ -111,22 +105,6 @@ impl Cells {
     pub(super) fn warn(&self) {
         self.warnings.say();
     }
-}
-
-/// The step of each parameter in a picture. The last one changes fastest.
-fn steps(index: u32, varied: &[VariedValues]) -> Vec<u32> {
-    let mut rest = index;
-    let mut steps: Vec<u32> = varied
-        .iter()
-        .rev()
-        .map(|varied| {
-            let step = rest % varied.count();
-            rest /= varied.count();
-            step
-        })
-        .collect();
-    steps.reverse();
-    steps
 }
 
 /// The varied values of a picture as they are used, and the given ones of those that are not used as given.

@@ -127,8 +127,8 @@ impl SweepInParts<'_> {
     }
 
     /// Checks that all pictures are there, and puts them onto the sheet, if there is one.
-    pub(super) fn merge(&self, target: &SweepTarget, sheet: Option<Sheet>) -> Result<(), Failure> {
-        let pattern = self.pattern(target)?;
+    pub(super) fn merge(&self, target: SweepTarget, sheet: Option<Sheet>) -> Result<(), Failure> {
+        let pattern = self.pattern(&target)?;
         if !self.record().check(&pattern.record())? {
             return Err(no_parts(pattern.folder()));
         }
@@ -161,10 +161,7 @@ impl SweepInParts<'_> {
         let output = SweepOutput {
             project: self.project,
             cells: &self.cells.cells,
-            target: match target {
-                SweepTarget::Numbered(pattern) => SweepTarget::Numbered(pattern.clone()),
-                SweepTarget::Sheet(_) => SweepTarget::new(&self.options.output)?,
-            },
+            target,
             bitmap,
             view: self.view(),
             sheet,

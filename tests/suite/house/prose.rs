@@ -37,8 +37,9 @@ const UNUSED_WORDS: [(&str, &str); 25] = [
 ];
 
 /// Where the sources and the documents lie. A folder counts with the folders in it.
-const SOURCES: [&str; 3] = ["src", "tests", "benches"];
-const DOCUMENTS: [&str; 6] = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs", "benches"];
+const SOURCES: [&str; 4] = ["src", "tests", "benches", "python/src"];
+const DOCUMENTS: [&str; 7] =
+    ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs", "benches", "python/README.md"];
 
 /// The files with this extension at these places, as paths below the root of the project, with their texts.
 fn files(places: &[&str], extension: &str) -> Vec<(PathBuf, String)> {
