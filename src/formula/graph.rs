@@ -128,7 +128,7 @@ impl Graph {
     }
 
     /// For each node, whether `roots` need it.
-    fn needed(&self, roots: &[NodeId]) -> Vec<bool> {
+    pub(crate) fn needed(&self, roots: &[NodeId]) -> Vec<bool> {
         let mut needed = vec![false; self.len()];
         let mut pending = roots.to_vec();
         while let Some(id) = pending.pop() {
@@ -213,14 +213,26 @@ impl Graph {
 
     /// The values of some nodes by the reference meaning. `leaf` gives the values of variables and parameters.
     pub fn evaluate(&self, roots: &[NodeId], leaf: impl Fn(NodeId) -> f32) -> Vec<f32> {
-        let mut values = vec![0.0; self.len()];
+        self.evaluate_with(&mut Floats, roots, leaf)
+    }
+
+    /// The values of some nodes with another meaning of the primitives, such as [`Doubles`](crate::lang::scalars::Doubles).
+    /// `leaf` gives the values of variables and parameters.
+    pub fn evaluate_with<M: crate::lang::scalars::Scalars>(
+        &self,
+        scalars: &mut M,
+        roots: &[NodeId],
+        leaf: impl Fn(NodeId) -> M::Value,
+    ) -> Vec<M::Value> {
+        let unknown = scalars.constant(0.0);
+        let mut values = vec![unknown; self.len()];
         for (index, _) in self.needed(roots).iter().enumerate().filter(|(_, needed)| **needed) {
             values[index] = match self.nodes[index] {
-                Node::Constant(bits) => f32::from_bits(bits),
+                Node::Constant(bits) => scalars.constant(f32::from_bits(bits)),
                 Node::Variable(..) | Node::Parameter(..) => leaf(NodeId(index as u32)),
                 Node::Apply(primitive, operands) => {
                     let operands = operands.map(|operand| values[operand.0 as usize]);
-                    primitive.apply(&mut Floats, &operands[..primitive.arity()])
+                    primitive.apply(scalars, &operands[..primitive.arity()])
                 }
             };
         }

@@ -7,6 +7,7 @@
 pub mod binding;
 pub mod binding_time;
 mod check;
+pub mod derivative;
 pub mod equation;
 mod evaluated_lights;
 pub mod graph;

@@ -86,6 +86,16 @@ pub struct CompiledSurface {
     pub outputs: Contribution,
 }
 
+/// Compiles one kernel that stores columns.
+///
+/// # Errors
+/// The processor does not have such vectors, the plan does not read what it needs, or the code generator refuses.
+pub fn compile_stage(plan: &KernelPlan, graph: &Graph, width: Width) -> Result<Kernel, CompileError> {
+    let mut batch = Batch::default();
+    let ticket = batch.stage(plan);
+    Ok(batch.compile(width, graph, None)?.kernel(ticket))
+}
+
 /// The index of a kernel in its batch.
 #[derive(Clone, Copy)]
 struct Ticket(usize);

@@ -32,6 +32,6 @@ mod writer;
 pub use crate::simd::Width;
 pub use cache::KernelCache;
 pub use call::{CallList, Kernel, PixelCode, fetch};
-pub use compile::{CompiledFormula, CompiledVariant};
+pub use compile::{CompiledFormula, CompiledVariant, compile_stage};
 pub use lanes::{Line, Operands, PREFETCH_DISTANCE, PixelLine, PixelPlanes, Splat, Streams, Sums, numbers};
 pub use target::{CompileError, Listing};
