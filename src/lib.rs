@@ -68,6 +68,8 @@ pub mod backends;
 
 pub mod engine;
 
+pub mod instrument;
+
 pub mod workspace;
 
 pub mod picture;

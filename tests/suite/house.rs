@@ -13,7 +13,7 @@ use tokens::{Token, tokens, without_tests};
 
 /// Each room with the rooms that it may import. Data flows one way: text → AST → formula → plans → backends; scene →
 /// world → hits → evaluation → picture. The workspace and the window use all of this, and the program uses them.
-const ROOMS: [(&str, &[&str]); 25] = [
+const ROOMS: [(&str, &[&str]); 26] = [
     ("files", &[]),
     ("simd", &[]),
     ("texture", &[]),
@@ -38,6 +38,7 @@ const ROOMS: [(&str, &[&str]); 25] = [
         "backends",
         &["texture", "lang", "formula", "scene", "world", "trace", "bytecode", "plan", "jit", "picture", "evaluate", "export"],
     ),
+    ("instrument", &["lang", "formula", "plan", "jit", "evaluate"]),
     ("engine", &["lang", "formula", "scene", "world", "trace", "picture", "evaluate", "backends"]),
     (
         "workspace",

@@ -1,0 +1,24 @@
+//! Instruments: what a model of reflection is, as numbers. They look at the formula itself, without rays: at its value
+//! for pairs of directions.
+//!
+//! [`model`] evaluates a formula, and its derivatives, for many pairs of directions at once. How the numbers are drawn
+//! is not known here, and neither are files.
+
+pub mod model;
+
+/// Directions of light and viewer in the frame of the surface: normal +z, tangent +x, bitangent +y. Both have unit
+/// length and point away from the surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DirectionPair {
+    /// To the light.
+    pub light: [f32; 3],
+    /// To the viewer.
+    pub view: [f32; 3],
+}
+
+/// A model of reflection that instruments look at.
+pub trait Reflectance: Send + Sync {
+    /// For each pair of directions π · f · cos θ in linear RGB, where f is the BRDF in 1/sr and θ the angle between
+    /// normal and light. This is the value of a formula for white light of intensity 1 (IL = ki = 1).
+    fn values(&self, pairs: &[DirectionPair]) -> Vec<[f32; 3]>;
+}
