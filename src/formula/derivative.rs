@@ -6,7 +6,7 @@
 //! have no formula for their slope; it is measured between two points beside the operands.
 //!
 //! A change that is 0 stays 0, whatever stands beside it: at `sqrt(max(0, x))` with x < 0 the derivative is 0 and not
-//! the product of 0 and infinity.
+//! the product of 0 and infinity. So does an exponential or a quotient that is 0, because it went there fastest.
 
 use crate::formula::ParameterId;
 use crate::formula::graph::{Graph, Node, NodeId};
@@ -66,7 +66,7 @@ impl Changes<'_> {
             }
             Primitive::Div => {
                 // (dx − value · dy)/y
-                let falling = self.times(value, dy).map(|change| self.graph.neg(change));
+                let falling = self.vanishing_times(value, dy).map(|change| self.graph.neg(change));
                 let change = self.sum(dx, falling)?;
                 Some(self.quotient(change, y))
             }
@@ -74,9 +74,9 @@ impl Changes<'_> {
                 let double = Scalars::add(self.graph, value, value);
                 dx.map(|dx| self.quotient(dx, double))
             }
-            Primitive::Exp => self.times(value, dx),
+            Primitive::Exp => self.vanishing_times(value, dx),
             Primitive::Exp2 => {
-                let change = self.times(value, dx);
+                let change = self.vanishing_times(value, dx);
                 self.scaled(LN_2, change)
             }
             Primitive::Log => dx.map(|dx| self.quotient(dx, x)),
@@ -158,6 +158,13 @@ impl Changes<'_> {
         Some(self.unless_zero(change, product))
     }
 
+    /// The same, for a factor that goes to 0 faster than anything grows: where it is 0, so is the product. So the
+    /// derivative of `exp(-1/x)` is 0 at 0.
+    fn vanishing_times(&mut self, factor: NodeId, change: Option<NodeId>) -> Option<NodeId> {
+        let product = self.times(factor, change)?;
+        Some(if product == factor { product } else { self.unless_zero(factor, product) })
+    }
+
     fn scaled(&mut self, factor: f32, change: Option<NodeId>) -> Option<NodeId> {
         let factor = self.graph.record_constant(factor);
         change.map(|change| self.graph.mul(factor, change))
@@ -195,14 +202,14 @@ impl Changes<'_> {
             let less = self.graph.sub(y, one);
             let power = self.graph.pow(x, less);
             let slope = self.graph.mul(y, power);
-            self.times(slope, Some(dx))
+            self.vanishing_times(slope, Some(dx))
         });
         let by_exponent = dy.and_then(|dy| {
             let size = self.graph.abs(x);
             let logarithm = self.graph.log(size);
             let slope = self.graph.mul(self.value, logarithm);
             let slope = self.unless_zero(self.value, slope);
-            self.times(slope, Some(dy))
+            self.vanishing_times(slope, Some(dy))
         });
         self.sum(by_base, by_exponent)
     }
@@ -323,9 +330,15 @@ mod tests {
 
     #[test]
     fn what_does_not_change_has_no_infinite_slope() {
-        for expression in
-            ["sqrt(max(0, -p))", "pow(max(0, -p), 0.5)", "pow(max(0, -1), p)", "log(max(0, -p))", "alpha/max(0, -p)"]
-        {
+        for expression in [
+            "sqrt(max(0, -p))",
+            "pow(max(0, -p), 0.5)",
+            "pow(max(0, -1), p)",
+            "log(max(0, -p))",
+            "alpha/max(0, -p)",
+            "tanh(1e3 + p)",
+            "exp(-1/max(0, -p))",
+        ] {
             assert_eq!(slope(expression, 0.3, 0.7), 0.0, "{expression}");
         }
     }

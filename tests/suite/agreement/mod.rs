@@ -8,6 +8,7 @@
 mod accuracy;
 mod choices;
 mod columns;
+mod derivatives;
 mod drags;
 mod formulas;
 #[cfg(feature = "gpu")]
