@@ -70,6 +70,8 @@ pub mod engine;
 
 pub mod instrument;
 
+pub mod sensitivity;
+
 pub mod workspace;
 
 pub mod picture;

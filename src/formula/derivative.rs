@@ -16,27 +16,38 @@ use std::f32::consts::LN_2;
 /// The derivatives of `roots` by each component of a parameter in `by`. The result has a list for each of `by`, with
 /// the derivative of each root in it.
 pub fn derivatives(graph: &mut Graph, roots: &[NodeId], by: &[(ParameterId, u8)]) -> Vec<Vec<NodeId>> {
+    let zero = graph.record_constant(0.0);
+    let mut by_one = |moved: &(ParameterId, u8)| {
+        let seed =
+            |graph: &mut Graph, parameter, component| ((parameter, component) == *moved).then(|| graph.record_constant(1.0));
+        changes(graph, roots, &seed).into_iter().map(|change| change.unwrap_or(zero)).collect()
+    };
+    by.iter().map(&mut by_one).collect()
+}
+
+/// How `roots` change where components of parameters change by the nodes that `seed` gives. `None` stands for 0, there
+/// and in the result.
+pub(super) fn changes(
+    graph: &mut Graph,
+    roots: &[NodeId],
+    seed: &dyn Fn(&mut Graph, ParameterId, u8) -> Option<NodeId>,
+) -> Vec<Option<NodeId>> {
     let needed = graph.needed(roots);
-    by.iter()
-        .map(|(parameter, component)| {
-            let mut changes: Vec<Option<NodeId>> = vec![None; needed.len()];
-            for index in (0..needed.len()).filter(|index| needed[*index]) {
-                let id = NodeId(index as u32);
-                changes[index] = match graph.node(id) {
-                    Node::Constant(_) | Node::Variable(..) => None,
-                    Node::Parameter(other, own) => (other == *parameter && own == *component).then(|| graph.record_constant(1.0)),
-                    Node::Apply(primitive, operands) => {
-                        let operands = &operands[..primitive.arity()];
-                        let of: Vec<Option<NodeId>> = operands.iter().map(|operand| changes[operand.0 as usize]).collect();
-                        let changes = Changes { graph, value: id, operands };
-                        if of.iter().all(Option::is_none) { None } else { changes.of_apply(primitive, &of) }
-                    }
-                };
+    let mut changes: Vec<Option<NodeId>> = vec![None; needed.len()];
+    for index in (0..needed.len()).filter(|index| needed[*index]) {
+        let id = NodeId(index as u32);
+        changes[index] = match graph.node(id) {
+            Node::Constant(_) | Node::Variable(..) => None,
+            Node::Parameter(parameter, component) => seed(graph, parameter, component),
+            Node::Apply(primitive, operands) => {
+                let operands = &operands[..primitive.arity()];
+                let of: Vec<Option<NodeId>> = operands.iter().map(|operand| changes[operand.0 as usize]).collect();
+                let changes = Changes { graph, value: id, operands };
+                if of.iter().all(Option::is_none) { None } else { changes.of_apply(primitive, &of) }
             }
-            let zero = graph.record_constant(0.0);
-            roots.iter().map(|root| changes[root.0 as usize].unwrap_or(zero)).collect()
-        })
-        .collect()
+        };
+    }
+    roots.iter().map(|root| changes[root.0 as usize]).collect()
 }
 
 /// The rules for one operation: how its value changes with its operands.
@@ -85,32 +96,12 @@ impl Changes<'_> {
                 self.scaled(LN_2.recip(), change)
             }
             Primitive::Pow => self.of_power([x, y], [dx, dy]),
-            Primitive::Sin => {
-                let slope = self.graph.cos(x);
+            Primitive::Sin | Primitive::Cos | Primitive::Tan => {
+                let slope = self.circular_slope(primitive, x);
                 self.times(slope, dx)
             }
-            Primitive::Cos => {
-                let sine = self.graph.sin(x);
-                let slope = self.graph.neg(sine);
-                self.times(slope, dx)
-            }
-            Primitive::Tan => {
-                let (one, square) = (self.graph.record_constant(1.0), self.graph.mul(value, value));
-                let slope = Scalars::add(self.graph, one, square);
-                self.times(slope, dx)
-            }
-            Primitive::Asin => {
-                let divisor = self.cosine_of_sine(x);
-                dx.map(|dx| self.quotient(dx, divisor))
-            }
-            Primitive::Acos => {
-                let cosine = self.cosine_of_sine(x);
-                let divisor = self.graph.neg(cosine);
-                dx.map(|dx| self.quotient(dx, divisor))
-            }
-            Primitive::Atan => {
-                let (one, square) = (self.graph.record_constant(1.0), self.graph.mul(x, x));
-                let divisor = Scalars::add(self.graph, one, square);
+            Primitive::Asin | Primitive::Acos | Primitive::Atan => {
+                let divisor = self.inverse_divisor(primitive, x);
                 dx.map(|dx| self.quotient(dx, divisor))
             }
             Primitive::Atan2 => self.of_angle([x, y], [dx, dy]),
@@ -214,11 +205,28 @@ impl Changes<'_> {
         self.sum(by_base, by_exponent)
     }
 
-    /// √(1 − x²)
-    fn cosine_of_sine(&mut self, x: NodeId) -> NodeId {
+    /// How fast a sine, a cosine or a tangent grows.
+    fn circular_slope(&mut self, primitive: Primitive, x: NodeId) -> NodeId {
+        if primitive == Primitive::Sin {
+            self.graph.cos(x)
+        } else if primitive == Primitive::Cos {
+            let sine = self.graph.sin(x);
+            self.graph.neg(sine)
+        } else {
+            let (one, square) = (self.graph.record_constant(1.0), self.graph.mul(self.value, self.value));
+            Scalars::add(self.graph, one, square)
+        }
+    }
+
+    /// What a change is divided by for an arc sine, an arc cosine or an arc tangent: √(1 − x²), −√(1 − x²), 1 + x².
+    fn inverse_divisor(&mut self, primitive: Primitive, x: NodeId) -> NodeId {
         let (one, square) = (self.graph.record_constant(1.0), self.graph.mul(x, x));
+        if primitive == Primitive::Atan {
+            return Scalars::add(self.graph, one, square);
+        }
         let rest = self.graph.sub(one, square);
-        self.graph.sqrt(rest)
+        let root = self.graph.sqrt(rest);
+        if primitive == Primitive::Acos { self.graph.neg(root) } else { root }
     }
 
     /// The angle of (x, y): (x·dy − y·dx)/(x² + y²). The operands are y and x.
