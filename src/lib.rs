@@ -72,6 +72,8 @@ pub mod instrument;
 
 pub mod sensitivity;
 
+pub mod fit;
+
 pub mod workspace;
 
 pub mod picture;

@@ -13,7 +13,7 @@ use tokens::{Token, tokens, without_tests};
 
 /// Each room with the rooms that it may import. Data flows one way: text → AST → formula → plans → backends; scene →
 /// world → hits → evaluation → picture. The workspace and the window use all of this, and the program uses them.
-const ROOMS: [(&str, &[&str]); 27] = [
+const ROOMS: [(&str, &[&str]); 28] = [
     ("files", &[]),
     ("simd", &[]),
     ("texture", &[]),
@@ -40,6 +40,7 @@ const ROOMS: [(&str, &[&str]); 27] = [
     ),
     ("instrument", &["lang", "formula", "plan", "jit", "evaluate"]),
     ("engine", &["lang", "formula", "scene", "world", "trace", "picture", "evaluate", "backends"]),
+    ("fit", &["lang", "formula", "picture", "instrument", "sensitivity"]),
     ("sensitivity", &["lang", "formula", "world", "trace", "picture", "evaluate", "engine"]),
     (
         "workspace",

@@ -1,0 +1,27 @@
+//! Fitting: values of parameters with which a formula comes near to data.
+//!
+//! [`unknowns`] says which numbers may move, within their ranges and invariants. A [`Misfit`] says how far the formula
+//! is from the data, with derivatives: [`samples`] for reflectance at pairs of directions, [`picture`] for a picture of
+//! the same scene. [`solve`] minimises it by the method of Levenberg and Marquardt from several starts.
+//! [`directions`] chooses where a measured material is compared, and [`metric`] how.
+//!
+//! Files are not known here, and neither is how the result is shown.
+
+pub mod directions;
+pub mod metric;
+pub mod normal;
+pub mod picture;
+pub mod samples;
+pub mod solve;
+pub mod unknowns;
+
+use crate::fit::normal::NormalEquations;
+
+/// How far a formula is from data, for values of its unknown numbers.
+pub trait Misfit: Sync {
+    /// The residuals at these values and their derivatives by each of them, multiplied out.
+    fn evaluate(&self, values: &[f64]) -> NormalEquations;
+}
+
+#[cfg(test)]
+mod tests;

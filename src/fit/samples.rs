@@ -1,0 +1,103 @@
+//! The misfit of a formula to reflectance at pairs of directions.
+
+use crate::fit::Misfit;
+use crate::fit::metric::Metric;
+use crate::fit::normal::NormalEquations;
+use crate::fit::unknowns::FitNumber;
+use crate::formula::{Formula, ParameterId};
+use crate::instrument::DirectionPair;
+use crate::instrument::model::{ModelProgram, ParameterNumbers, Place, PreparedPairs};
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// What was measured at a pair of directions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReflectanceSample {
+    /// The directions.
+    pub pair: DirectionPair,
+    /// f · cos θ of the light, in 1/sr, linear RGB.
+    pub value: [f64; 3],
+    /// What the sample counts.
+    pub weight: f64,
+}
+
+/// A formula that is compared with samples.
+pub struct SampleMisfit {
+    program: ModelProgram,
+    pairs: PreparedPairs,
+    /// The values of all parameters; the unknown ones are replaced.
+    numbers: ParameterNumbers,
+    unknowns: Vec<FitNumber>,
+    metric: Metric,
+    /// The samples by the metric, and their weights.
+    wanted: Vec<([f64; 3], f64)>,
+}
+
+/// Samples that a thread takes at once. Sums are taken in this order on any number of threads.
+const AT_ONCE: usize = 2048;
+
+impl SampleMisfit {
+    /// A formula with these numbers at a place, compared with samples. The unknown numbers are given at each
+    /// evaluation.
+    pub fn new(
+        formula: &Formula,
+        numbers: ParameterNumbers,
+        place: &Place,
+        unknowns: Vec<FitNumber>,
+        samples: &[ReflectanceSample],
+        metric: Metric,
+    ) -> Self {
+        let by: Vec<(ParameterId, u8)> = unknowns.iter().map(|number| (number.parameter, number.component)).collect();
+        let program = ModelProgram::with_derivatives(formula, &by);
+        let pairs: Vec<DirectionPair> = samples.iter().map(|sample| sample.pair).collect();
+        let pairs = program.prepare(&pairs, place);
+        let wanted = samples.iter().map(|sample| (sample.value.map(|value| metric.apply(value)[0]), sample.weight)).collect();
+        Self { program, pairs, numbers, unknowns, metric, wanted }
+    }
+
+    /// The numbers of all parameters where the unknown ones have these values.
+    pub fn numbers(&self, values: &[f64]) -> ParameterNumbers {
+        let mut numbers = self.numbers.clone();
+        for (number, value) in self.unknowns.iter().zip(values) {
+            let target = &mut numbers[number.parameter.0 as usize];
+            target[usize::from(number.component)] = *value as f32;
+        }
+        numbers
+    }
+
+    /// At how many samples the formula is no finite number.
+    pub fn undefined(&self, values: &[f64]) -> usize {
+        let found = self.program.run(&self.pairs, &self.numbers(values));
+        found.chunks_exact(self.program.outputs()).filter(|found| !found[..3].iter().all(|value| value.is_finite())).count()
+    }
+}
+
+impl Misfit for SampleMisfit {
+    /// Where the formula is no number, it counts as 0, so that such values are not taken for good ones.
+    fn evaluate(&self, values: &[f64]) -> NormalEquations {
+        let found = self.program.run(&self.pairs, &self.numbers(values));
+        let (outputs, unknowns) = (self.program.outputs(), self.unknowns.len());
+        let part = |(found, wanted): (&[f32], &[([f64; 3], f64)])| {
+            let mut equations = NormalEquations::new(unknowns);
+            let mut row = vec![0.0; unknowns + 1];
+            for (found, (wanted, weight)) in found.chunks_exact(outputs).zip(wanted) {
+                for (component, wanted) in wanted.iter().enumerate() {
+                    let value = f64::from(found[component]) / PI;
+                    let defined = value.is_finite();
+                    let [value, slope] = self.metric.apply(if defined { value } else { 0.0 });
+                    for (index, entry) in row[..unknowns].iter_mut().enumerate() {
+                        let change = f64::from(found[3 + 3 * index + component]) / PI * slope;
+                        *entry = if defined && change.is_finite() { change } else { 0.0 };
+                    }
+                    row[unknowns] = value - wanted;
+                    equations.add(*weight, &row);
+                }
+                equations.add_weight(3.0 * weight);
+            }
+            equations
+        };
+        let parts: Vec<NormalEquations> =
+            found.par_chunks(AT_ONCE * outputs).zip(self.wanted.par_chunks(AT_ONCE)).map(part).collect();
+        parts.iter().fold(NormalEquations::new(unknowns), NormalEquations::join)
+    }
+}

@@ -1,0 +1,167 @@
+//! Known parameters are found again: from reflectance, and from pictures.
+
+use crate::engine::{Engine, Subject, Task};
+use crate::fit::directions::{LARGEST_ANGLE, pairs};
+use crate::fit::metric::METRICS;
+use crate::fit::picture::{PictureMisfit, PictureTarget};
+use crate::fit::samples::{ReflectanceSample, SampleMisfit};
+use crate::fit::solve::{FitOptions, Solution, solve};
+use crate::fit::unknowns::{FitNumber, FreeParameter, Unknowns};
+use crate::formula::{Formula, ParameterId};
+use crate::instrument::model::{ModelProgram, ParameterNumbers, Place, default_numbers};
+use crate::lang::source::Source;
+use crate::sensitivity::Sensitivity;
+use crate::trace::View;
+use crate::workspace::{FileKind, NamedAssignment, Values, presets};
+use std::f64::consts::PI;
+use std::sync::atomic::AtomicBool;
+
+fn built_in(name: &str) -> Formula {
+    Formula::parse(&Source::new(name, presets::text(FileKind::Formula, name).unwrap())).unwrap().0
+}
+
+/// The numbers of a formula where some parameters have other values.
+fn numbers(formula: &Formula, changed: &[(&str, &[f32])]) -> ParameterNumbers {
+    let mut numbers = default_numbers(formula);
+    for (name, value) in changed {
+        let id = formula.parameter_named(name).unwrap();
+        numbers[id.0 as usize] = if value.len() == 3 { [value[0], value[1], value[2]] } else { [value[0]; 3] };
+    }
+    numbers
+}
+
+/// Fits these parameters of a formula to itself at other values, from its defaults.
+fn refit(formula: &Formula, wanted: &[(&str, &[f32])], metric: usize) -> (Unknowns, Solution, Vec<f64>) {
+    let truth = numbers(formula, wanted);
+    let directions = pairs(4000, LARGEST_ANGLE);
+    let program = ModelProgram::new(formula);
+    let plain: Vec<_> = directions.iter().map(|weighted| weighted.pair).collect();
+    let values = program.run(&program.prepare(&plain, &Place::default()), &truth);
+    let samples: Vec<ReflectanceSample> = directions
+        .iter()
+        .zip(values.chunks(3))
+        .map(|(weighted, value)| ReflectanceSample {
+            pair: weighted.pair,
+            value: [0, 1, 2].map(|component| f64::from(value[component]) / PI),
+            weight: weighted.weight,
+        })
+        .collect();
+    let start = default_numbers(formula);
+    let free: Vec<FreeParameter> =
+        wanted.iter().map(|(name, _)| FreeParameter { parameter: formula.parameter_named(name).unwrap(), range: None }).collect();
+    let value = |id: ParameterId| start[id.0 as usize];
+    let unknowns = Unknowns::new(formula, &free, &value).unwrap();
+    let place = Place::default();
+    let misfit = SampleMisfit::new(formula, start.clone(), &place, unknowns.numbers(), &samples, METRICS[metric]);
+    let solution = solve(&misfit, &unknowns, FitOptions::default(), &|_| (), &AtomicBool::new(false));
+    let number = |number: FitNumber| f64::from(truth[number.parameter.0 as usize][usize::from(number.component)]);
+    let wanted = unknowns.numbers().into_iter().map(number).collect();
+    (unknowns, solution, wanted)
+}
+
+#[test]
+fn parameters_of_built_in_formulas_are_found_again() {
+    type Case = (&'static str, &'static [(&'static str, &'static [f32])]);
+    let cases: &[Case] = &[
+        ("phong", &[("ks", &[0.6]), ("kd", &[0.2]), ("h", &[23.0])]),
+        ("blinn-phong", &[("kd", &[0.3]), ("h", &[700.0]), ("Cs", &[0.9, 0.5, 0.1])]),
+        ("ggx", &[("ag", &[0.11]), ("n", &[1.9]), ("kd", &[0.3])]),
+        ("cook-torrance", &[("d", &[0.2]), ("m", &[0.4]), ("n", &[1.8, 2.5, 3.0])]),
+        ("ward", &[("rs", &[0.1]), ("rd", &[0.3]), ("ax", &[0.11]), ("ay", &[0.25])]),
+        ("oren-nayar", &[("sigma", &[12.0]), ("Cd", &[0.3, 0.6, 0.9])]),
+        ("ashikhmin-shirley", &[("nu", &[150.0]), ("nv", &[30.0]), ("Rs", &[0.3, 0.2, 0.1])]),
+        ("disney", &[("metallic", &[0.4]), ("roughness", &[0.25]), ("clearcoat", &[0.5]), ("sheen", &[0.3])]),
+    ];
+    for (name, wanted) in cases {
+        let formula = built_in(name);
+        for metric in 0..METRICS.len() {
+            let (unknowns, solution, wanted) = refit(&formula, wanted, metric);
+            for ((found, wanted), number) in solution.values.iter().zip(&wanted).zip(unknowns.numbers()) {
+                let near = (found - wanted).abs() <= 1e-3 * wanted.abs().max(1e-2);
+                let parameter = &formula.parameter(number.parameter).name;
+                assert!(near, "{name}, {}: {parameter} {found}, {wanted}: {solution:?}", METRICS[metric].name);
+            }
+        }
+    }
+}
+
+#[test]
+fn parameters_of_a_picture_are_found_again() {
+    let scene = "bodies; floor: rectangle, <-4,0,-4>, <4,0,-4>, <4,0,4>; ball: sphere, center <0,1,0>, radius 1;
+        lights; key: point, <4,6,5>; fill: point, <-5,3,2>; camera; position <0,1.6,6>; gaze <0,-0.1,-1>; up <0,1,0>; fov 45;";
+    let text = presets::text(FileKind::Formula, "blinn-phong").unwrap();
+    let subject = Subject::parse(text, scene, View::new(60, 45).unwrap()).unwrap();
+    let formula = &subject.formula;
+    let values = |settings: &[&str]| {
+        let mut values = Values::defaults(formula, subject.world.scene());
+        let given: Vec<_> =
+            settings.iter().flat_map(|text| text.parse::<NamedAssignment>().unwrap().resolve(values.table()).unwrap()).collect();
+        values.assign(&given);
+        values.numbers().to_vec()
+    };
+    let truth = values(&["ball.ks=0.2", "ball.h=40", "ball.Cd=<0.2,0.5,0.7>", "floor.kr=0.4", "key.ki=0.7"]);
+    let start = values(&[]);
+    let engine = Engine::default();
+    let target = engine.picture(&subject, &truth, 1, &Task::UNWATCHED).unwrap();
+    let hits = [engine.trace(&subject, &Task::UNWATCHED).unwrap()];
+    let layout = crate::formula::layout::Layout::new(formula, 2, 2);
+    // The body `ball` is the second, and the light `key` the first.
+    let wanted = [("ks", 1), ("h", 1), ("Cd", 1), ("kr", 0), ("ki", 0)];
+    let free: Vec<FreeParameter> =
+        wanted.iter().map(|(name, _)| FreeParameter { parameter: formula.parameter_named(name).unwrap(), range: None }).collect();
+    let owner =
+        |id: ParameterId| wanted.iter().find(|(name, _)| formula.parameter(id).name == *name).map_or(1, |(_, owner)| *owner);
+    let index = |id: ParameterId| layout.index(formula.parameter(id), owner(id));
+    let value = |id: ParameterId| {
+        let first = index(id);
+        let last = formula.parameter(id).ty.slots() - 1;
+        [0, 1, 2].map(|component: usize| start[first + component.min(last)])
+    };
+    let unknowns = Unknowns::new(formula, &free, &value).unwrap();
+    let moving: Vec<ParameterId> = unknowns.numbers().iter().map(|number| number.parameter).collect();
+    let sensitivity = Sensitivity::new(&engine, &subject, &hits, &moving, &start).unwrap();
+    let indices: Vec<usize> =
+        unknowns.numbers().iter().map(|number| index(number.parameter) + usize::from(number.component)).collect();
+    let target = PictureTarget { frame: target, clamped: false };
+    let misfit = PictureMisfit::new(sensitivity, start.clone(), indices.clone(), target, METRICS[0]);
+    let solution = solve(&misfit, &unknowns, FitOptions { starts: 3 }, &|_| (), &AtomicBool::new(false));
+    for (found, index) in solution.values.iter().zip(&indices) {
+        let wanted = f64::from(truth[*index]);
+        assert!((found - wanted).abs() <= 1e-3 * wanted.abs().max(1e-2), "{index}: {found}, {wanted}: {solution:?}");
+    }
+    assert!(solution.undetermined.is_empty() && solution.residuals[1] < 1e-4 * solution.residuals[0]);
+}
+
+#[test]
+fn what_data_do_not_determine_is_told() {
+    // kd and Cd appear only as a product, and w has no effect.
+    let text = "body_specific; kd: scalar, constraint 0..1, default 0.5; w: scalar, constraint 0..1, default 0.5;
+        formula; = kd*Cd*IL*max(0, N.L) + 0*<w>;";
+    let (formula, _) = Formula::parse(&Source::new("test", text)).unwrap();
+    let (unknowns, solution, _) = refit(&formula, &[("kd", &[0.7]), ("Cd", &[0.3, 0.4, 0.5]), ("w", &[0.1])], 0);
+    let names = |group: &[FitNumber]| -> Vec<String> {
+        group.iter().map(|number| format!("{}{}", formula.parameter(number.parameter).name, number.component)).collect()
+    };
+    let groups: Vec<Vec<String>> = solution.undetermined.iter().map(|group| names(group)).collect();
+    assert_eq!(groups, [vec!["w0"], vec!["kd0", "Cd0", "Cd1", "Cd2"]]);
+    assert!(solution.residuals[1] < 1e-6 && solution.deviations.iter().all(Option::is_none), "{solution:?}");
+    let product = solution.values[0] * solution.values[1];
+    assert_eq!(unknowns.free(), 5);
+    assert!((product - 0.21).abs() < 1e-4, "{product}");
+}
+
+#[test]
+fn a_cancelled_fit_keeps_the_values_at_hand() {
+    let formula = built_in("phong");
+    let start = default_numbers(&formula);
+    let free = [FreeParameter { parameter: formula.parameter_named("h").unwrap(), range: None }];
+    let unknowns = Unknowns::new(&formula, &free, &|id| start[id.0 as usize]).unwrap();
+    let samples: Vec<ReflectanceSample> = pairs(50, LARGEST_ANGLE)
+        .iter()
+        .map(|weighted| ReflectanceSample { pair: weighted.pair, value: [0.1; 3], weight: weighted.weight })
+        .collect();
+    let place = Place::default();
+    let misfit = SampleMisfit::new(&formula, start.clone(), &place, unknowns.numbers(), &samples, METRICS[0]);
+    let solution = solve(&misfit, &unknowns, FitOptions::default(), &|_| (), &AtomicBool::new(true));
+    assert!(solution.cancelled && solution.values == unknowns.start(), "{solution:?}");
+}

@@ -1,0 +1,409 @@
+//! The numbers that a fit may move: components of parameters within their ranges, and what follows from them by
+//! invariants.
+//!
+//! A number with bounds is a smooth function of a variable without: a sine between the bounds (as in MINUIT, James and
+//! Roos 1975), of the logarithm if the bounds are far apart. So the method of Levenberg and Marquardt, which knows no
+//! bounds, stays within them.
+
+use crate::fit::normal::NormalEquations;
+use crate::formula::invariants::InvariantSystem;
+use crate::formula::{Formula, ParameterId};
+use crate::lang::ast::Relation;
+use crate::lang::types::Type;
+use nalgebra::DMatrix;
+use thiserror::Error;
+
+/// A component of a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct FitNumber {
+    /// The parameter.
+    pub parameter: ParameterId,
+    /// The component; 0 for a scalar.
+    pub component: u8,
+}
+
+/// A parameter that a fit may move, and within which bounds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FreeParameter {
+    /// The parameter.
+    pub parameter: ParameterId,
+    /// Bounds that replace those of the parameter.
+    pub range: Option<[f32; 2]>,
+}
+
+/// Why parameters cannot be fitted.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum UnknownsError {
+    /// There is nothing to move.
+    #[error("no parameter is free to move")]
+    Nothing,
+    /// A texture or a whole number.
+    #[error("`{0}` cannot be fitted: it is {1}; only numbers and colours can move smoothly")]
+    NotSmooth(String, &'static str),
+    /// It follows from others.
+    #[error("`{0}` follows from others by an invariant ({1}); free those")]
+    Locked(String, String),
+    /// Bounds that contradict each other, or the range of the parameter.
+    #[error("the bounds {1}..{2} of `{0}` do not lie within its range")]
+    Bounds(String, String, String),
+}
+
+/// How a number follows from a variable without bounds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Scale {
+    Free { unit: f64 },
+    Bounded,
+    Logarithmic,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct FreeNumber {
+    number: FitNumber,
+    low: f64,
+    high: f64,
+    scale: Scale,
+}
+
+/// A number that is `constant` + Σ factor · free number.
+#[derive(Debug, Clone, PartialEq)]
+struct Sum {
+    constant: f64,
+    terms: Vec<(usize, f64)>,
+}
+
+/// The unknown numbers of a fit. *Values* are those of all [`numbers`](Self::numbers), as parameters have them.
+/// *Variables* are what is solved for: one for each number that is free.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unknowns {
+    free: Vec<FreeNumber>,
+    followers: Vec<(FitNumber, Sum)>,
+    /// Sums that must not exceed 1, or fall below 0.
+    limits: Vec<Sum>,
+    start: Vec<f64>,
+}
+
+/// Bounds whose quotient is larger are far apart.
+const FAR: f64 = 50.0;
+
+impl Unknowns {
+    /// The unknowns where these parameters are free. `value` gives the values of all parameters at the start.
+    ///
+    /// # Errors
+    /// A parameter cannot move smoothly, follows from others, or its bounds are wrong.
+    pub fn new(
+        formula: &Formula,
+        free: &[FreeParameter],
+        value: &dyn Fn(ParameterId) -> [f32; 3],
+    ) -> Result<Self, UnknownsError> {
+        let systems = invariant_systems(formula);
+        let mut numbers: Vec<FreeNumber> = Vec::new();
+        for FreeParameter { parameter: id, range } in free {
+            let parameter = formula.parameter(*id);
+            let name = || parameter.name.clone();
+            if parameter.ty == Type::Texture {
+                return Err(UnknownsError::NotSmooth(name(), "a texture"));
+            }
+            if parameter.is_whole() {
+                return Err(UnknownsError::NotSmooth(name(), "a choice"));
+            }
+            if let Some(explanation) = systems.iter().find_map(|system| system.explanation(*id)) {
+                return Err(UnknownsError::Locked(name(), explanation));
+            }
+            let own = parameter.range.unwrap_or([f32::MIN, f32::MAX]);
+            let [low, high] = range.unwrap_or(own);
+            if !(low <= high && low >= own[0] && high <= own[1]) {
+                return Err(UnknownsError::Bounds(name(), low.to_string(), high.to_string()));
+            }
+            let bounded = parameter.range.is_some() || range.is_some();
+            for component in 0..parameter.ty.slots() as u8 {
+                let start = f64::from(value(*id)[usize::from(component)]);
+                let (low, high) = (f64::from(low), f64::from(high));
+                let scale = match bounded {
+                    false => Scale::Free { unit: start.abs().max(1.0) },
+                    true if low > 0.0 && high / low >= FAR => Scale::Logarithmic,
+                    true => Scale::Bounded,
+                };
+                let number = FitNumber { parameter: *id, component };
+                if low < high && !numbers.iter().any(|known| known.number == number) {
+                    numbers.push(FreeNumber { number, low, high, scale });
+                }
+            }
+        }
+        if numbers.is_empty() {
+            return Err(UnknownsError::Nothing);
+        }
+        let mut unknowns = Self { free: numbers, followers: Vec::new(), limits: Vec::new(), start: Vec::new() };
+        unknowns.follow(formula, &systems, value);
+        let starts = unknowns.free.iter().map(|free| {
+            let start = f64::from(value(free.number.parameter)[usize::from(free.number.component)]);
+            start.clamp(free.low, free.high)
+        });
+        unknowns.start = starts.collect();
+        Ok(unknowns)
+    }
+
+    /// Takes in what invariants say of the free numbers.
+    fn follow(&mut self, formula: &Formula, systems: &[InvariantSystem], value: &dyn Fn(ParameterId) -> [f32; 3]) {
+        let position = |id: ParameterId| self.free.iter().position(|free| free.number.parameter == id);
+        let sum = |constant: f64, terms: &[(ParameterId, f64)]| {
+            let mut sum = Sum { constant, terms: Vec::new() };
+            for (id, factor) in terms {
+                match position(*id) {
+                    Some(index) => sum.terms.push((index, *factor)),
+                    None => sum.constant += factor * f64::from(value(*id)[0]),
+                }
+            }
+            sum
+        };
+        let (mut followers, mut limits) = (Vec::new(), Vec::new());
+        for dependent in systems.iter().flat_map(InvariantSystem::dependents) {
+            let follower = sum(dependent.constant, &dependent.terms);
+            if !follower.terms.is_empty() {
+                limits.push(follower.clone());
+                followers.push((FitNumber { parameter: dependent.parameter, component: 0 }, follower));
+            }
+        }
+        for line in formula.invariants.iter().filter(|line| line.relation == Relation::AtMost) {
+            let mut terms: Vec<(ParameterId, f64)> = Vec::new();
+            let mut constant = 0.0;
+            for id in &line.terms {
+                match systems.iter().flat_map(InvariantSystem::dependents).find(|dependent| dependent.parameter == *id) {
+                    Some(dependent) => {
+                        constant += dependent.constant;
+                        terms.extend(&dependent.terms);
+                    }
+                    None => terms.push((*id, 1.0)),
+                }
+            }
+            let limit = sum(constant, &terms);
+            if !limit.terms.is_empty() {
+                limits.push(limit);
+            }
+        }
+        self.followers = followers;
+        self.limits = limits;
+    }
+
+    /// All numbers that move: the free ones, then those that follow.
+    pub fn numbers(&self) -> Vec<FitNumber> {
+        self.free.iter().map(|free| free.number).chain(self.followers.iter().map(|(number, _)| *number)).collect()
+    }
+
+    /// How many numbers are free.
+    pub fn free(&self) -> usize {
+        self.free.len()
+    }
+
+    /// The values at the start.
+    pub fn start(&self) -> Vec<f64> {
+        self.with_followers(self.start.clone())
+    }
+
+    fn with_followers(&self, mut values: Vec<f64>) -> Vec<f64> {
+        let of =
+            |sum: &Sum| (sum.constant + sum.terms.iter().map(|(at, factor)| factor * values[*at]).sum::<f64>()).clamp(0.0, 1.0);
+        let followers: Vec<f64> = self.followers.iter().map(|(_, sum)| of(sum)).collect();
+        values.extend(followers);
+        values
+    }
+
+    /// The values that follow from variables.
+    pub fn values(&self, variables: &[f64]) -> Vec<f64> {
+        self.with_followers(self.free.iter().zip(variables).map(|(free, variable)| free.value(*variable)[0]).collect())
+    }
+
+    /// Variables for values of the free numbers. At a bound, a number could not move: it is moved a little inside.
+    pub fn variables(&self, values: &[f64]) -> Vec<f64> {
+        self.free.iter().zip(values).map(|(free, value)| free.variable(*value)).collect()
+    }
+
+    /// Variables for values of the free numbers, also at bounds.
+    pub fn variables_exactly(&self, values: &[f64]) -> Vec<f64> {
+        self.free.iter().zip(values).map(|(free, value)| free.variable_exactly(*value)).collect()
+    }
+
+    /// How fast all numbers move with each free number: a row for each of [`numbers`](Self::numbers).
+    pub fn slopes(&self) -> DMatrix<f64> {
+        let free = self.free.len();
+        let mut change = DMatrix::zeros(free + self.followers.len(), free);
+        (0..free).for_each(|index| change[(index, index)] = 1.0);
+        for (row, (_, sum)) in self.followers.iter().enumerate() {
+            sum.terms.iter().for_each(|(at, factor)| change[(free + row, *at)] += factor);
+        }
+        change
+    }
+
+    /// The width of the range of a free number; without bounds, its usual size.
+    pub fn width(&self, free: usize) -> f64 {
+        let free = &self.free[free];
+        match free.scale {
+            Scale::Free { unit } => unit,
+            Scale::Bounded | Scale::Logarithmic => free.high - free.low,
+        }
+    }
+
+    /// Variables for a point of the unit cube, for further starts.
+    pub fn start_at(&self, point: &[f64]) -> Vec<f64> {
+        self.free.iter().zip(point).map(|(free, share)| free.variable(free.at_share(*share))).collect()
+    }
+
+    /// Normal equations in variables, from those in values: with the rule for chains of functions, and with a residual
+    /// of this weight for each invariant that is violated.
+    pub fn in_variables(&self, equations: &NormalEquations, variables: &[f64], strictness: f64) -> NormalEquations {
+        let free = self.free.len();
+        let slopes: Vec<[f64; 2]> = self.free.iter().zip(variables).map(|(free, variable)| free.value(*variable)).collect();
+        let mut change = self.slopes();
+        for (mut column, [_, slope]) in change.column_iter_mut().zip(&slopes) {
+            column *= *slope;
+        }
+        let mut result = equations.in_terms_of(&change);
+        for limit in &self.limits {
+            let value = limit.constant + limit.terms.iter().map(|(at, factor)| factor * slopes[*at][0]).sum::<f64>();
+            let outside = value - value.clamp(0.0, 1.0);
+            if outside != 0.0 {
+                let mut row = vec![0.0; free + 1];
+                limit.terms.iter().for_each(|(at, factor)| row[*at] += factor * slopes[*at][1]);
+                row[free] = outside;
+                result.add(strictness, &row);
+            }
+        }
+        result
+    }
+}
+
+impl FreeNumber {
+    /// The value for a variable, and its derivative.
+    fn value(&self, variable: f64) -> [f64; 2] {
+        let (share, slope) = ((1.0 + variable.sin()) / 2.0, variable.cos() / 2.0);
+        match self.scale {
+            Scale::Free { unit } => [unit * variable, unit],
+            Scale::Bounded => [self.low + (self.high - self.low) * share, (self.high - self.low) * slope],
+            Scale::Logarithmic => {
+                let ratio = (self.high / self.low).ln();
+                let value = self.low * (ratio * share).exp();
+                [value.min(self.high), value * ratio * slope]
+            }
+        }
+    }
+
+    /// The variable of a value; at a bound, of one that is a little inside.
+    fn variable(&self, value: f64) -> f64 {
+        /// How far inside the bounds a number starts, as a part of the range.
+        const INSIDE: f64 = 0.01;
+        match self.share(value) {
+            Some(share) => (2.0 * share.clamp(INSIDE, 1.0 - INSIDE) - 1.0).asin(),
+            None => self.variable_exactly(value),
+        }
+    }
+
+    fn variable_exactly(&self, value: f64) -> f64 {
+        match (self.share(value), self.scale) {
+            (Some(share), _) => (2.0 * share.clamp(0.0, 1.0) - 1.0).asin(),
+            (None, Scale::Free { unit }) => value / unit,
+            (None, Scale::Bounded | Scale::Logarithmic) => value,
+        }
+    }
+
+    /// Where in the range a value is, 0..1. `None` without bounds.
+    fn share(&self, value: f64) -> Option<f64> {
+        match self.scale {
+            Scale::Free { .. } => None,
+            Scale::Bounded => Some((value - self.low) / (self.high - self.low)),
+            Scale::Logarithmic => Some((value / self.low).ln() / (self.high / self.low).ln()),
+        }
+    }
+
+    /// The value at a share of the range, 0..1. Without bounds it is the share itself, as on a slider.
+    fn at_share(&self, share: f64) -> f64 {
+        match self.scale {
+            Scale::Free { unit } => unit * share,
+            Scale::Bounded => self.low + (self.high - self.low) * share,
+            Scale::Logarithmic => self.low * (self.high / self.low).powf(share),
+        }
+    }
+}
+
+/// The invariants of each kind of owner, solved. A checked formula has no contradictory ones.
+fn invariant_systems(formula: &Formula) -> Vec<InvariantSystem> {
+    use crate::lang::variables::Owner;
+    let system = |owner| InvariantSystem::new(&formula.parameters, &formula.invariants, owner).ok();
+    Owner::ALL.into_iter().filter_map(system).map(|(system, _)| system).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lang::source::Source;
+
+    const TEXT: &str = "body_specific; a: scalar, constraint 0..1, default 0.25; b: scalar, constraint 0..1, default 0.5;
+        c: scalar, constraint 0..1; h: scalar, constraint 1..1000, default 10; free: scalar, default 3; w: scalar, switch;
+        invariants; a + b + c = 1; formula; = (a + 2*b + 3*c + h + free + w)*Cd;";
+
+    fn formula() -> Formula {
+        Formula::parse(&Source::new("test", TEXT)).unwrap().0
+    }
+
+    fn unknowns(names: &[&str]) -> Result<Unknowns, UnknownsError> {
+        let formula = formula();
+        let free: Vec<FreeParameter> =
+            names.iter().map(|name| FreeParameter { parameter: formula.parameter_named(name).unwrap(), range: None }).collect();
+        Unknowns::new(&formula, &free, &|id| formula.parameter(id).default)
+    }
+
+    #[test]
+    fn values_and_variables_belong_together() {
+        let unknowns = unknowns(&["a", "b", "h", "free", "Cd"]).unwrap();
+        assert_eq!((unknowns.free(), unknowns.numbers().len()), (7, 8));
+        let start = unknowns.start();
+        assert_eq!(start[..4], [0.25, 0.5, 10.0, 3.0]);
+        assert!((start[7] - 0.25).abs() < 1e-12, "c follows: {start:?}");
+        let values = unknowns.values(&unknowns.variables(&start));
+        assert!(values.iter().zip(&start).all(|(one, other)| (one - other).abs() < 1e-9), "{values:?} {start:?}");
+        // Whatever the variables are, values are within the bounds.
+        let values = unknowns.values(&[40.0, -3.0, 1e3, 0.0, 9.0, 8.0, 7.0]);
+        assert!((0.0..=1.0).contains(&values[0]) && (1.0..=1000.0).contains(&values[2]));
+        assert!((unknowns.values(&unknowns.start_at(&[0.5; 7]))[2] - 1000.0_f64.sqrt()).abs() < 1e-6, "a logarithmic middle");
+    }
+
+    #[test]
+    fn equations_follow_the_chain() {
+        let unknowns = unknowns(&["a", "h"]).unwrap();
+        let variables = unknowns.variables(&[0.3, 20.0]);
+        // One residual: 2a + 3h + 5c, with its derivatives.
+        let at = |variables: &[f64]| {
+            let values = unknowns.values(variables);
+            2.0 * values[0] + 3.0 * values[1] + 5.0 * values[2]
+        };
+        let mut equations = NormalEquations::new(3);
+        equations.add(1.0, &[2.0, 3.0, 5.0, at(&variables)]);
+        let gradient = unknowns.in_variables(&equations, &variables, 1.0).curvature();
+        for index in 0..2 {
+            let mut moved = variables.clone();
+            moved[index] += 1e-6;
+            let slope = (at(&moved) - at(&variables)) / 1e-6;
+            assert!((gradient[(index, index)].sqrt() - slope.abs()).abs() < 1e-4 * slope.abs(), "{index}");
+        }
+    }
+
+    #[test]
+    fn invariants_that_are_violated_count() {
+        let unknowns = unknowns(&["a", "b"]).unwrap();
+        let mut equations = NormalEquations::new(3);
+        equations.add(1.0, &[0.0, 0.0, 0.0, 1.0]);
+        let square = |values: &[f64]| unknowns.in_variables(&equations, &unknowns.variables(values), 100.0).square();
+        assert_eq!(square(&[0.5, 0.4]), 1.0);
+        assert!(square(&[0.8, 0.5]) > 5.0, "c would be -0.3");
+    }
+
+    #[test]
+    fn what_cannot_be_fitted_is_refused() {
+        assert_eq!(unknowns(&[]), Err(UnknownsError::Nothing));
+        assert!(matches!(unknowns(&["w"]), Err(UnknownsError::NotSmooth(..))));
+        let message = unknowns(&["c"]).unwrap_err().to_string();
+        assert!(message.contains("c = 1 - a - b"), "{message}");
+        let formula = formula();
+        let a = FreeParameter { parameter: formula.parameter_named("a").unwrap(), range: Some([0.5, 2.0]) };
+        let error = Unknowns::new(&formula, &[a], &|_| [0.0; 3]);
+        assert!(matches!(error, Err(UnknownsError::Bounds(..))), "{error:?}");
+    }
+}
