@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 /// A picture that is to be reached.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PictureTarget {
+pub struct TargetPicture {
     /// Linear RGB, of the size of the picture that is fitted.
     pub frame: Frame,
     /// Whether colours end at 1, as in a file with bytes: what is brighter looks the same.
@@ -23,7 +23,7 @@ pub struct PictureMisfit {
     numbers: Vec<f32>,
     /// The indices of the unknown numbers.
     unknowns: Vec<usize>,
-    target: PictureTarget,
+    target: TargetPicture,
     metric: Metric,
 }
 
@@ -33,7 +33,7 @@ const AT_ONCE: usize = 8192;
 impl PictureMisfit {
     /// The picture of these parameter numbers, compared with a target. `unknowns` are the indices of the numbers that
     /// are given at each evaluation.
-    pub fn new(sensitivity: Sensitivity, numbers: Vec<f32>, unknowns: Vec<usize>, target: PictureTarget, metric: Metric) -> Self {
+    pub fn new(sensitivity: Sensitivity, numbers: Vec<f32>, unknowns: Vec<usize>, target: TargetPicture, metric: Metric) -> Self {
         Self { sensitivity, numbers, unknowns, target, metric }
     }
 

@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 
 /// What was measured at a pair of directions.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ReflectanceSample {
+pub struct FitSample {
     /// The directions.
     pub pair: DirectionPair,
     /// f · cos θ of the light, in 1/sr, linear RGB.
@@ -44,7 +44,7 @@ impl SampleMisfit {
         numbers: ParameterNumbers,
         place: &Place,
         unknowns: Vec<FitNumber>,
-        samples: &[ReflectanceSample],
+        samples: &[FitSample],
         metric: Metric,
     ) -> Self {
         let by: Vec<(ParameterId, u8)> = unknowns.iter().map(|number| (number.parameter, number.component)).collect();

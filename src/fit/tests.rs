@@ -3,8 +3,8 @@
 use crate::engine::{Engine, Subject, Task};
 use crate::fit::directions::{LARGEST_ANGLE, pairs};
 use crate::fit::metric::METRICS;
-use crate::fit::picture::{PictureMisfit, PictureTarget};
-use crate::fit::samples::{ReflectanceSample, SampleMisfit};
+use crate::fit::picture::{PictureMisfit, TargetPicture};
+use crate::fit::samples::{FitSample, SampleMisfit};
 use crate::fit::solve::{FitOptions, Solution, solve};
 use crate::fit::unknowns::{FitNumber, FreeParameter, Unknowns};
 use crate::formula::{Formula, ParameterId};
@@ -37,10 +37,10 @@ fn refit(formula: &Formula, wanted: &[(&str, &[f32])], metric: usize) -> (Unknow
     let program = ModelProgram::new(formula);
     let plain: Vec<_> = directions.iter().map(|weighted| weighted.pair).collect();
     let values = program.run(&program.prepare(&plain, &Place::default()), &truth);
-    let samples: Vec<ReflectanceSample> = directions
+    let samples: Vec<FitSample> = directions
         .iter()
         .zip(values.chunks(3))
-        .map(|(weighted, value)| ReflectanceSample {
+        .map(|(weighted, value)| FitSample {
             pair: weighted.pair,
             value: [0, 1, 2].map(|component| f64::from(value[component]) / PI),
             weight: weighted.weight,
@@ -122,7 +122,7 @@ fn parameters_of_a_picture_are_found_again() {
     let sensitivity = Sensitivity::new(&engine, &subject, &hits, &moving, &start).unwrap();
     let indices: Vec<usize> =
         unknowns.numbers().iter().map(|number| index(number.parameter) + usize::from(number.component)).collect();
-    let target = PictureTarget { frame: target, clamped: false };
+    let target = TargetPicture { frame: target, clamped: false };
     let misfit = PictureMisfit::new(sensitivity, start.clone(), indices.clone(), target, METRICS[0]);
     let solution = solve(&misfit, &unknowns, FitOptions { starts: 3 }, &|_| (), &AtomicBool::new(false));
     for (found, index) in solution.values.iter().zip(&indices) {
@@ -156,9 +156,9 @@ fn a_cancelled_fit_keeps_the_values_at_hand() {
     let start = default_numbers(&formula);
     let free = [FreeParameter { parameter: formula.parameter_named("h").unwrap(), range: None }];
     let unknowns = Unknowns::new(&formula, &free, &|id| start[id.0 as usize]).unwrap();
-    let samples: Vec<ReflectanceSample> = pairs(50, LARGEST_ANGLE)
+    let samples: Vec<FitSample> = pairs(50, LARGEST_ANGLE)
         .iter()
-        .map(|weighted| ReflectanceSample { pair: weighted.pair, value: [0.1; 3], weight: weighted.weight })
+        .map(|weighted| FitSample { pair: weighted.pair, value: [0.1; 3], weight: weighted.weight })
         .collect();
     let place = Place::default();
     let misfit = SampleMisfit::new(&formula, start.clone(), &place, unknowns.numbers(), &samples, METRICS[0]);
