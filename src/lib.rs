@@ -38,6 +38,8 @@ pub mod simd;
 
 pub mod texture;
 
+pub mod measured;
+
 pub mod sampling;
 
 pub mod lang;

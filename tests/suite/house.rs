@@ -13,12 +13,13 @@ use tokens::{Token, tokens, without_tests};
 
 /// Each room with the rooms that it may import. Data flows one way: text → AST → formula → plans → backends; scene →
 /// world → hits → evaluation → picture. The workspace and the window use all of this, and the program uses them.
-const ROOMS: [(&str, &[&str]); 28] = [
+const ROOMS: [(&str, &[&str]); 29] = [
     ("files", &[]),
     ("simd", &[]),
     ("texture", &[]),
+    ("measured", &["files"]),
     ("sampling", &[]),
-    ("lang", &["texture"]),
+    ("lang", &["texture", "measured"]),
     ("formula", &["lang"]),
     ("scene", &["lang"]),
     ("mesh", &["files", "lang"]),

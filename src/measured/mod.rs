@@ -1,0 +1,234 @@
+//! Measured materials: reading reflectance that was measured from files, and its value for two directions. What
+//! formulas and pictures do with it is not known here.
+//!
+//! | format | told by | holds |
+//! |---|---|---|
+//! | MERL `.binary` | its sizes | isotropic RGB, see [`merl`] |
+//! | RGL `.bsdf` | its first bytes | isotropic or anisotropic, RGB or spectra, which become linear sRGB under D65 |
+//! | CSV | being text | a list of samples for fitting, see [`ReflectanceSamples`] |
+//!
+//! Files come from anywhere. A damaged one is an error that says where, never a panic, and no memory is allocated
+//! because a header says so.
+
+mod error;
+pub mod merl;
+mod rgl;
+mod samples;
+mod spectrum;
+mod tensor;
+#[cfg(test)]
+mod tests;
+mod warp;
+
+pub use error::{MeasuredError, MeasuredPlace};
+pub use samples::{ReflectanceSample, ReflectanceSamples};
+
+use crate::files::{self, Readable};
+use error::Flaw;
+use glam::DVec3;
+use merl::MerlTable;
+use rgl::RglMaterial;
+use std::fs::{File, Metadata};
+use std::io::Read;
+use std::path::Path;
+use std::sync::Arc;
+use tensor::TensorFile;
+
+/// How much of a file is looked at to find out what it is, in bytes.
+const BEGINNING: usize = 1 << 12;
+
+/// Reads a whole file.
+type FormatReader = fn(&[u8]) -> Result<Measurement, Flaw>;
+
+/// A format of files.
+pub struct MeasuredFormat {
+    /// Its name.
+    pub name: &'static str,
+    /// The suffixes of its files, in small letters.
+    pub suffixes: &'static [&'static str],
+    /// The largest file that is read, in bytes.
+    pub largest: u64,
+    /// Whether a file with this beginning and this length is of the format.
+    is_likely: fn(&[u8], u64) -> bool,
+    read: FormatReader,
+}
+
+/// The formats that are read. A file is of the first one that its contents fit.
+pub const FORMATS: [MeasuredFormat; 3] = [
+    MeasuredFormat {
+        name: "RGL",
+        suffixes: &["bsdf"],
+        largest: 1 << 30,
+        is_likely: |beginning, _| beginning.starts_with(tensor::MAGIC),
+        read: |bytes| {
+            let material = RglMaterial::new(&TensorFile::parse(bytes)?)?;
+            Ok(Measurement::Material(Arc::new(MeasuredMaterial { form: StoredForm::Rgl(Box::new(material)) })))
+        },
+    },
+    MeasuredFormat {
+        name: "MERL",
+        suffixes: &["binary"],
+        largest: merl::FILE_BYTES as u64,
+        is_likely: MerlTable::is_likely,
+        read: |bytes| {
+            let table = MerlTable::parse(bytes)?;
+            Ok(Measurement::Material(Arc::new(MeasuredMaterial { form: StoredForm::Merl(table) })))
+        },
+    },
+    MeasuredFormat {
+        name: "CSV",
+        suffixes: &["csv", "txt"],
+        largest: 256 << 20,
+        is_likely: |beginning, _| !beginning.is_empty() && is_text(beginning),
+        read: |bytes| {
+            let text = std::str::from_utf8(bytes).map_err(|error| Flaw::at_byte(error.valid_up_to(), "it is no UTF-8 text"))?;
+            Ok(Measurement::Samples(ReflectanceSamples::parse(text)?))
+        },
+    },
+];
+
+/// Whether a beginning is that of a text: UTF-8 without control characters. The last character may be cut off.
+fn is_text(beginning: &[u8]) -> bool {
+    let text = match std::str::from_utf8(beginning) {
+        Ok(text) => text,
+        Err(error) if error.error_len().is_none() => std::str::from_utf8(&beginning[..error.valid_up_to()]).unwrap_or_default(),
+        Err(_) => return false,
+    };
+    !text.chars().any(|character| character.is_control() && !character.is_ascii_whitespace())
+}
+
+/// What a file holds.
+#[derive(Debug, Clone)]
+pub enum Measurement {
+    /// Reflectance for all directions.
+    Material(Arc<MeasuredMaterial>),
+    /// Reflectance for some directions.
+    Samples(ReflectanceSamples),
+}
+
+/// Reflectance for all pairs of directions.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredMaterial {
+    form: StoredForm,
+}
+
+/// How a material is stored.
+#[derive(Debug, Clone, PartialEq)]
+enum StoredForm {
+    Merl(MerlTable),
+    Rgl(Box<RglMaterial>),
+}
+
+impl Measurement {
+    /// Reads a file of any format.
+    ///
+    /// # Errors
+    /// It cannot be read, is of no known format, too large, or damaged.
+    pub fn read(path: &Path) -> Result<Self, MeasuredError> {
+        let (file, metadata) = open(path)?;
+        Self::read_from(path, file, &metadata)
+    }
+
+    /// Reads a file that was opened. `path` is named in errors.
+    ///
+    /// # Errors
+    /// See [`read`](Self::read).
+    pub fn read_from(path: &Path, mut file: File, metadata: &Metadata) -> Result<Self, MeasuredError> {
+        let unread = |error: std::io::Error| Flaw::new(files::reason(&error)).in_file(path);
+        let mut bytes = Vec::new();
+        file.by_ref().take(BEGINNING as u64).read_to_end(&mut bytes).map_err(unread)?;
+        let format = format_of(&bytes, metadata.len()).map_err(|flaw| flaw.in_file(path))?;
+        // A file of a format with one length alone is wrong by its length.
+        if metadata.len() > format.largest {
+            let message = format!(
+                "the file has {} bytes, and files of the format {} at most {}",
+                metadata.len(),
+                format.name,
+                format.largest
+            );
+            return Err(Flaw::new(message).in_file(path));
+        }
+        file.take(format.largest.saturating_sub(bytes.len() as u64)).read_to_end(&mut bytes).map_err(unread)?;
+        (format.read)(&bytes).map_err(|flaw| flaw.in_file(path))
+    }
+
+    /// What the bytes of a file hold. `file` is named in errors.
+    ///
+    /// # Errors
+    /// They are of no known format, too many, or damaged.
+    pub fn of_bytes(file: &str, bytes: &[u8]) -> Result<Self, MeasuredError> {
+        let read = || (format_of(&bytes[..bytes.len().min(BEGINNING)], bytes.len() as u64)?.read)(bytes);
+        read().map_err(|flaw: Flaw| flaw.in_file(Path::new(file)))
+    }
+
+    /// The material, if it is one. `file` is named in the error.
+    ///
+    /// # Errors
+    /// It is a list of samples.
+    pub fn material(self, file: &Path) -> Result<Arc<MeasuredMaterial>, MeasuredError> {
+        match self {
+            Measurement::Material(material) => Ok(material),
+            Measurement::Samples(_) => {
+                let hint = "files of the formats MERL (.binary) and RGL (.bsdf) have reflectance for all directions";
+                Err(Flaw::new("it is a list of samples, and no material for all directions").hint(hint).in_file(file))
+            }
+        }
+    }
+}
+
+/// Opens a file of measurements.
+///
+/// # Errors
+/// It cannot be opened, or is no regular file.
+pub fn open(path: &Path) -> Result<(File, Metadata), MeasuredError> {
+    files::open(path, Readable::Regular).map_err(|error| Flaw::new(files::reason(&error.into())).in_file(path))
+}
+
+/// The format of a file.
+fn format_of(beginning: &[u8], length: u64) -> Result<&'static MeasuredFormat, Flaw> {
+    if beginning.is_empty() {
+        return Err(Flaw::new("the file is empty"));
+    }
+    let format = FORMATS.iter().find(|format| (format.is_likely)(beginning, length));
+    format.ok_or_else(|| {
+        let formats: Vec<String> = FORMATS.iter().map(|format| format!("{} (.{})", format.name, format.suffixes[0])).collect();
+        Flaw::new("it is of no known format").hint(format!("measured materials are files of the formats {}", formats.join(", ")))
+    })
+}
+
+impl MeasuredMaterial {
+    /// Reads a material from a file.
+    ///
+    /// # Errors
+    /// It cannot be read, is of no known format, too large or damaged, or a list of samples.
+    pub fn read(path: &Path) -> Result<Arc<Self>, MeasuredError> {
+        Measurement::read(path)?.material(path)
+    }
+
+    /// The reflectance f_r in 1/sr, red, green and blue: linear sRGB, at least 0 and finite. `light` and `view` are
+    /// unit vectors from the surface; the normal is +z and the tangent +x. It is 0 where one of them is at the horizon
+    /// or below, or is not finite.
+    pub fn value(&self, light: DVec3, view: DVec3) -> DVec3 {
+        let is_above = |direction: DVec3| direction.is_finite() && direction.z > 0.0;
+        if !is_above(light) || !is_above(view) {
+            return DVec3::ZERO;
+        }
+        let value = match &self.form {
+            StoredForm::Merl(table) => table.value(light, view),
+            StoredForm::Rgl(material) => material.value(light, view),
+        };
+        // Colours outside of sRGB have negative components.
+        DVec3::from_array(value.to_array().map(|value| if value.is_finite() { value.clamp(0.0, LARGEST) } else { 0.0 }))
+    }
+
+    /// The bytes of memory that it takes, about.
+    pub fn bytes(&self) -> u64 {
+        match &self.form {
+            StoredForm::Merl(_) => MerlTable::BYTES,
+            StoredForm::Rgl(material) => material.bytes(),
+        }
+    }
+}
+
+/// The largest reflectance: π times it is still a number of 32 bits.
+const LARGEST: f64 = 1e38;

@@ -1,0 +1,182 @@
+//! The format of the material database of EPFL's realistic graphics lab: isotropic and anisotropic reflectance,
+//! spectral or RGB (J. Dupuy, W. Jakob, "An Adaptive Parameterization for Efficient Material Acquisition and
+//! Rendering", SIGGRAPH Asia 2018, section 4).
+//!
+//! For each direction to the view, the unit square is mapped to half vectors by the distribution of visible normals
+//! `vndf`. On this square lie samples of reflectance times cosine over `ndf`/(4·`sigma`): the distribution of normals,
+//! and the area of the microfacets that is seen from the view. So samples are dense where the material reflects most.
+//!
+//! As in Mitsuba and in pbrt, the direction *i* of a file is that to the view, and the cosine is that of the light. So
+//! the reflectance of a file is reciprocal only as far as its measurements are. Negative samples count as 0.
+
+use crate::measured::error::Flaw;
+use crate::measured::spectrum;
+use crate::measured::tensor::{Tensor, TensorFile};
+use crate::measured::warp::{Grids, Warp};
+use glam::DVec3;
+use std::f64::consts::{FRAC_2_PI, PI, TAU};
+
+/// Cosines of the light are not taken smaller than this, so that the reflectance stays finite.
+const SMALLEST_COSINE: f64 = 1e-6;
+
+/// The measurements of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct RglMaterial {
+    normals: Grids<1>,
+    area: Grids<1>,
+    visible: Warp,
+    /// Linear sRGB.
+    colours: Grids<3>,
+    /// Whether the colours were divided by `ndf`/(4·`sigma`).
+    is_divided: bool,
+    /// Whether only differences of azimuths matter.
+    is_isotropic: bool,
+    /// Into how many like parts the azimuths were divided, of which one was measured: 1, 2 or 4.
+    parts: u32,
+}
+
+/// The tensor, if all its sizes are at least these, and it has all numbers of them.
+fn sized(tensor: Tensor, name: &str, least: &[usize]) -> Result<Tensor, Flaw> {
+    let count = tensor.shape.iter().try_fold(1_usize, |product, size| product.checked_mul(*size));
+    let large = tensor.shape.iter().zip(least).all(|(size, least)| size >= least);
+    if large && count == Some(tensor.numbers.len()) {
+        return Ok(tensor);
+    }
+    let [sizes, least] = [&tensor.shape, least].map(|sizes| sizes.iter().map(usize::to_string).collect::<Vec<_>>().join("×"));
+    Err(Flaw::new(format!("the field `{name}` has {sizes} numbers, and at least {least} were expected")))
+}
+
+/// Numbers that grow, such as angles.
+fn growing(file: &TensorFile, name: &str) -> Result<Vec<f32>, Flaw> {
+    let tensor = sized(file.floats(name, 1)?, name, &[1])?;
+    if tensor.numbers.windows(2).all(|pair| pair[0] < pair[1]) {
+        Ok(tensor.numbers)
+    } else {
+        Err(Flaw::new(format!("the numbers of the field `{name}` do not grow")))
+    }
+}
+
+/// A function on one grid.
+fn alone(file: &TensorFile, name: &str) -> Result<Grids<1>, Flaw> {
+    let tensor = sized(file.floats(name, 2)?, name, &[2, 2])?;
+    Ok(Grids::alone([tensor.shape[1], tensor.shape[0]], tensor.numbers.into_iter().map(|number| [number]).collect()))
+}
+
+/// The flaw that a field has not one grid for each direction.
+fn other_directions(name: &str, found: &[usize], angles: &[Vec<f32>; 2]) -> Flaw {
+    let [azimuths, polars] = angles.each_ref().map(Vec::len);
+    let [first, second] = [found[0], found[1]];
+    let message = format!("the field `{name}` has grids for {first}×{second} directions, and there are {azimuths}×{polars}");
+    Flaw::new(message).hint("`phi_i` and `theta_i` are the directions")
+}
+
+/// The colours of a file as linear sRGB.
+fn colours(file: &TensorFile, angles: &[Vec<f32>; 2]) -> Result<Grids<3>, Flaw> {
+    let is_spectral = !file.has("rgb");
+    let name = if is_spectral { "spectra" } else { "rgb" };
+    if is_spectral && !file.has(name) {
+        return Err(Flaw::new("it has neither a field `rgb` nor a field `spectra`"));
+    }
+    let weights = match is_spectral {
+        true => spectrum::weights(&growing(file, "wavelengths")?).ok_or_else(|| {
+            Flaw::new("the wavelengths have no visible light").hint("the field `wavelengths` gives them in nanometres")
+        })?,
+        false => vec![DVec3::X, DVec3::Y, DVec3::Z],
+    };
+    let Tensor { shape, numbers } = sized(file.floats(name, 5)?, name, &[1, 1, 1, 2, 2])?;
+    if [shape[0], shape[1]] != [angles[0].len(), angles[1].len()] {
+        return Err(other_directions(name, &shape, angles));
+    }
+    if shape[2] != weights.len() {
+        let (found, expected) = (shape[2], weights.len());
+        return Err(Flaw::new(format!("the field `{name}` has {found} components, and {expected} were expected")));
+    }
+    let points = shape[3] * shape[4];
+    let mut values = Vec::with_capacity(numbers.len() / weights.len());
+    for grid in numbers.chunks_exact(points * weights.len()) {
+        values.extend((0..points).map(|point| {
+            let samples =
+                weights.iter().enumerate().map(|(index, weight)| *weight * f64::from(grid[index * points + point].max(0.0)));
+            samples.sum::<DVec3>().as_vec3().to_array()
+        }));
+    }
+    if values.as_flattened().iter().any(|value| !value.is_finite()) {
+        return Err(Flaw::new(format!("numbers of the field `{name}` are too large")));
+    }
+    Ok(Grids { size: [shape[4], shape[3]], angles: angles.clone(), values })
+}
+
+impl RglMaterial {
+    /// Reads the fields of a file.
+    ///
+    /// # Errors
+    /// A field is missing, has other sizes than expected, or numbers that mean nothing.
+    pub(super) fn new(file: &TensorFile) -> Result<Self, Flaw> {
+        let angles = [growing(file, "phi_i")?, growing(file, "theta_i")?];
+        let vndf = sized(file.floats("vndf", 4)?, "vndf", &[1, 1, 2, 2])?;
+        if [vndf.shape[0], vndf.shape[1]] != [angles[0].len(), angles[1].len()] {
+            return Err(other_directions("vndf", &vndf.shape, &angles));
+        }
+        let size = [vndf.shape[3], vndf.shape[2]];
+        let values = vndf.numbers.into_iter().map(|number| [number]).collect();
+        let visible = Warp::new(Grids { size, angles: angles.clone(), values });
+        let visible = visible.ok_or_else(|| Flaw::new("the field `vndf` has a grid that is negative, or 0 everywhere"))?;
+        // Two azimuths are the ends of the whole circle.
+        let is_isotropic = angles[0].len() <= 2;
+        let measured = f64::from(angles[0][angles[0].len() - 1]) - f64::from(angles[0][0]);
+        let parts = if is_isotropic { 1.0 } else { (TAU / measured).round() };
+        if ![1.0, 2.0, 4.0].contains(&parts) {
+            let message = format!("the azimuths `phi_i` cover {:.1} degrees", measured.to_degrees());
+            return Err(Flaw::new(message).hint("a whole circle, a half or a quarter were expected"));
+        }
+        Ok(Self {
+            normals: alone(file, "ndf")?,
+            area: alone(file, "sigma")?,
+            visible,
+            colours: colours(file, &angles)?,
+            is_divided: file.byte("jacobian")? != 0,
+            is_isotropic,
+            parts: parts as u32,
+        })
+    }
+
+    /// The bytes of memory that it takes, about.
+    pub(super) fn bytes(&self) -> u64 {
+        let numbers = self.normals.values.len() + self.area.values.len() + 3 * self.colours.values.len();
+        (size_of::<f32>() * (numbers + self.visible.count())) as u64
+    }
+
+    /// Light and view turned or mirrored to the azimuths that were measured: those from −180° on.
+    fn measured_part(&self, light: DVec3, view: DVec3) -> [DVec3; 2] {
+        let turned = |positive: bool| if positive { -1.0 } else { 1.0 };
+        let y = turned(view.y >= 0.0);
+        let signs = match self.parts {
+            4 => DVec3::new(turned(view.x >= 0.0), y, 1.0),
+            2 => DVec3::new(y, y, 1.0),
+            _ => DVec3::ONE,
+        };
+        [light * signs, view * signs]
+    }
+
+    /// The reflectance in 1/sr between two unit vectors above the horizon.
+    pub(super) fn value(&self, light: DVec3, view: DVec3) -> DVec3 {
+        let [light, view] = self.measured_part(light, view);
+        let half = (light + view).normalize_or(DVec3::Z);
+        let polar = |direction: DVec3| direction.x.hypot(direction.y).atan2(direction.z);
+        let azimuth = |direction: DVec3| direction.y.atan2(direction.x);
+        let (theta, phi) = (polar(view), azimuth(view));
+        let across = |theta: f64| (theta * FRAC_2_PI).sqrt();
+        let along = |phi: f64| (phi + PI) / TAU;
+        let about = along(if self.is_isotropic { azimuth(half) - phi } else { azimuth(half) });
+        let at_half = [across(polar(half)), about - about.floor()];
+        let place = self.visible.invert(&self.visible.around(phi, theta), at_half);
+        let colour = DVec3::from_array(self.colours.at(&self.colours.around(phi, theta), place));
+        let share = if self.is_divided {
+            let one = |grid: &Grids<1>, point| grid.at(&grid.around(0.0, 0.0), point)[0];
+            one(&self.normals, at_half) / (4.0 * one(&self.area, [across(theta), along(phi)]))
+        } else {
+            1.0
+        };
+        colour * share / light.z.max(SMALLEST_COSINE)
+    }
+}

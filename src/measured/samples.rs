@@ -1,0 +1,187 @@
+//! Lists of measured samples in texts: for fitting formulas, not for pictures.
+
+use crate::measured::error::{Flaw, MeasuredError};
+use glam::DVec3;
+
+/// The reflectance for one pair of directions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReflectanceSample {
+    /// The direction to the light: a unit vector above the horizon, normal +z, tangent +x.
+    pub light: DVec3,
+    /// The direction to the view, likewise.
+    pub view: DVec3,
+    /// Red, green and blue of the reflectance, linear, in 1/sr. Noise may make it negative.
+    pub value: DVec3,
+}
+
+/// Samples in the order of their file.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ReflectanceSamples {
+    /// The samples; at least one if they were read from a file.
+    pub samples: Vec<ReflectanceSample>,
+}
+
+/// A column of a list.
+struct SampleColumn {
+    name: &'static str,
+    /// Other names that are understood.
+    aliases: &'static [&'static str],
+    is_angle: bool,
+}
+
+/// The columns, in the order of a list without a header. *i* is the light, *o* the view.
+const COLUMNS: [SampleColumn; 7] = [
+    SampleColumn { name: "theta_i", aliases: &["theta_in", "theta_l"], is_angle: true },
+    SampleColumn { name: "phi_i", aliases: &["phi_in", "phi_l"], is_angle: true },
+    SampleColumn { name: "theta_o", aliases: &["theta_out", "theta_v"], is_angle: true },
+    SampleColumn { name: "phi_o", aliases: &["phi_out", "phi_v"], is_angle: true },
+    SampleColumn { name: "r", aliases: &["red"], is_angle: false },
+    SampleColumn { name: "g", aliases: &["green"], is_angle: false },
+    SampleColumn { name: "b", aliases: &["blue"], is_angle: false },
+];
+
+/// The column of `COLUMNS` that stands at a place of each line, and what its numbers are multiplied by.
+type ColumnOrder = [(usize, f64); COLUMNS.len()];
+
+/// A word of a line: its column, counted from 1, and its text.
+type ListWord<'t> = (usize, &'t str);
+
+/// The words of a line without its comment. They are separated by commas, semicolons or tabs, or by blanks alone.
+fn words(line: &str) -> Vec<ListWord<'_>> {
+    let line = line.split('#').next().unwrap_or_default();
+    let separator = [',', ';', '\t'].into_iter().find(|separator| line.contains(*separator));
+    let mut words = Vec::new();
+    let mut start = 0;
+    let mut push = |range: std::ops::Range<usize>| {
+        let text = &line[range.clone()];
+        let blanks = text.len() - text.trim_start().len();
+        words.push((line[..range.start + blanks].chars().count() + 1, text.trim()));
+    };
+    match separator {
+        Some(separator) => {
+            for (end, _) in line.match_indices(separator) {
+                push(start..end);
+                start = end + separator.len_utf8();
+            }
+            push(start..line.len());
+        }
+        None => {
+            for word in line.split_whitespace() {
+                let begin = line[start..].find(word).map_or(start, |offset| start + offset);
+                push(begin..begin + word.len());
+                start = begin + word.len();
+            }
+        }
+    }
+    if words.iter().all(|(_, word)| word.is_empty()) { Vec::new() } else { words }
+}
+
+/// The column that a word of a header names, and what its numbers are multiplied by: degrees are turned into radians.
+fn named(word: &str) -> Option<(usize, f64)> {
+    /// Whether a unit is the degree.
+    const UNITS: [(&str, bool); 4] = [("deg", true), ("degrees", true), ("rad", false), ("radians", false)];
+    let word = word.trim_matches('"').to_ascii_lowercase();
+    let (name, unit) = UNITS
+        .iter()
+        .find_map(|(unit, degrees)| {
+            let inner = word.trim_end_matches([')', ']']).strip_suffix(unit)?;
+            Some((inner.trim_end_matches(['_', ' ', '(', '[']), Some(*degrees)))
+        })
+        .unwrap_or((word.as_str(), None));
+    let index = COLUMNS.iter().position(|column| column.name == name || column.aliases.contains(&name))?;
+    let degrees = unit.unwrap_or(true);
+    match COLUMNS[index].is_angle {
+        true => Some((index, if degrees { 1.0_f64.to_radians() } else { 1.0 })),
+        false => unit.is_none().then_some((index, 1.0)),
+    }
+}
+
+/// The columns by the header of a list.
+fn header(line: usize, words: &[ListWord]) -> Result<ColumnOrder, Flaw> {
+    let names = || COLUMNS.map(|column| column.name).join(",");
+    let mut layout = [(0, 1.0); COLUMNS.len()];
+    let mut found = [false; COLUMNS.len()];
+    for (place, (column, word)) in words.iter().enumerate() {
+        let hint = || format!("a header names the columns: {}; angles may end in `_deg` or `_rad`", names());
+        let Some((index, factor)) = named(word) else {
+            return Err(Flaw::at(line, *column, format!("`{word}` is no number and no name of a column")).hint(hint()));
+        };
+        if std::mem::replace(&mut found[index], true) || place >= layout.len() {
+            return Err(Flaw::at(line, *column, format!("there are two columns `{}`", COLUMNS[index].name)).hint(hint()));
+        }
+        layout[place] = (index, factor);
+    }
+    match found.iter().position(|found| !found) {
+        Some(index) => Err(Flaw::at(line, 1, format!("there is no column `{}`", COLUMNS[index].name))),
+        None => Ok(layout),
+    }
+}
+
+/// A sample by the numbers of a line.
+fn sample(line: usize, words: &[ListWord], layout: &ColumnOrder) -> Result<ReflectanceSample, Flaw> {
+    if words.len() != COLUMNS.len() {
+        let (column, count) = (words.last().map_or(1, |(column, _)| *column), words.len());
+        let flaw = Flaw::at(line, column, format!("{count} numbers, and {} were expected", COLUMNS.len()));
+        return Err(flaw.hint(format!("a line is {}", COLUMNS.map(|column| column.name).join(","))));
+    }
+    let mut numbers = [0.0; COLUMNS.len()];
+    for ((column, word), (index, factor)) in words.iter().zip(layout) {
+        let number = word.parse::<f64>().ok().filter(|number| number.is_finite() && number.abs() <= f64::from(f32::MAX));
+        let number = number.ok_or_else(|| Flaw::at(line, *column, format!("`{word}` is no number")))?;
+        let angle = number * factor;
+        let is_polar = COLUMNS[*index].name.starts_with("theta");
+        if is_polar && !(0.0..std::f64::consts::FRAC_PI_2).contains(&angle) {
+            let message = format!("the polar angle `{word}` is not from 0 to less than 90 degrees");
+            let hint = "angles are in degrees unless a header names them `theta_i_rad`; they are counted from the normal";
+            return Err(Flaw::at(line, *column, message).hint(hint));
+        }
+        numbers[*index] = angle;
+    }
+    let [theta_i, phi_i, theta_o, phi_o, red, green, blue] = numbers;
+    let direction = |theta: f64, phi: f64| {
+        let (sin, cos) = theta.sin_cos();
+        DVec3::new(sin * phi.cos(), sin * phi.sin(), cos)
+    };
+    Ok(ReflectanceSample {
+        light: direction(theta_i, phi_i),
+        view: direction(theta_o, phi_o),
+        value: DVec3::new(red, green, blue),
+    })
+}
+
+impl ReflectanceSamples {
+    /// Reads a list: lines of `theta_i,phi_i,theta_o,phi_o,r,g,b`. *i* is the direction to the light, *o* that to the
+    /// view; r, g and b are the reflectance in 1/sr. Angles are in degrees. A first line may name the columns in any
+    /// order, and angles there may end in `_rad`. A comment begins with `#`. `file` is named in errors.
+    ///
+    /// # Errors
+    /// A line is no sample, or there is none.
+    pub fn of_text(file: &str, text: &str) -> Result<Self, MeasuredError> {
+        Self::parse(text).map_err(|flaw| flaw.in_file(std::path::Path::new(file)))
+    }
+
+    /// See [`of_text`](Self::of_text).
+    pub(super) fn parse(text: &str) -> Result<Self, Flaw> {
+        let mut layout: Option<ColumnOrder> = None;
+        let mut samples = Vec::new();
+        for (index, line) in text.trim_start_matches('\u{FEFF}').lines().enumerate() {
+            let words = words(line);
+            let Some((_, first)) = words.first() else { continue };
+            let layout = match layout {
+                Some(layout) => layout,
+                None if first.parse::<f64>().is_err() => {
+                    layout = Some(header(index + 1, &words)?);
+                    continue;
+                }
+                None => {
+                    let plain =
+                        std::array::from_fn(|index| (index, if COLUMNS[index].is_angle { 1.0_f64.to_radians() } else { 1.0 }));
+                    *layout.insert(plain)
+                }
+            };
+            samples.push(sample(index + 1, &words, &layout)?);
+        }
+        let hint = || format!("a line is {}", COLUMNS.map(|column| column.name).join(","));
+        if samples.is_empty() { Err(Flaw::new("it has no samples").hint(hint())) } else { Ok(Self { samples }) }
+    }
+}
