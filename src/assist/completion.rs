@@ -199,7 +199,7 @@ pub fn predefined(predefined: &Predefined) -> Candidate {
 pub fn function(form: Form) -> Candidate {
     let name = form.spelling();
     let call = match form {
-        Form::Function(_) | Form::Conditional => format!("{name}("),
+        Form::Function(_) | Form::Measured | Form::Conditional => format!("{name}("),
         Form::Constant(_) | Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Texture | Form::Vector => name.to_owned(),
     };
     let class = if form == Form::Conditional { Class::Keyword } else { Class::Function };

@@ -180,6 +180,7 @@ impl UseReader<'_> {
                     }
                 }
                 ExprKind::Number(_)
+                | ExprKind::Text(_)
                 | ExprKind::Prefix(..)
                 | ExprKind::Infix(..)
                 | ExprKind::Vector(_)

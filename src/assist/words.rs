@@ -2,7 +2,7 @@
 //!
 //! This uses the lexer and the tables of the language, so it works on unfinished texts that no parser accepts.
 
-use crate::lang::builtins::{self, Form, Operation, Repetition};
+use crate::lang::builtins::{self, Form, MEASURED_USAGES, Operation, Repetition};
 use crate::lang::keywords::{self, Keyword};
 use crate::lang::lexer::tokenize;
 use crate::lang::source::Source;
@@ -363,6 +363,10 @@ pub fn scene_words(section: TextSection) -> Vec<&'static Keyword> {
 pub fn signatures(form: Form) -> String {
     let written = |operation: Operation| match form {
         Form::Function(_) | Form::Conditional => format!("({})  {}", operation.operand_names().join(", "), operation.signature()),
+        Form::Measured => {
+            let usages = MEASURED_USAGES.map(|usage| usage.strip_prefix(form.spelling()).unwrap_or_default());
+            format!("{}  {}", usages.join(" or "), operation.signature())
+        }
         Form::Constant(_) | Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Texture | Form::Vector => {
             operation.signature()
         }

@@ -197,6 +197,7 @@ fn leaf(formula: &Formula, id: TermId, constant: Option<[f32; 3]>) -> Option<Ins
             let parameter = formula.parameter(*id);
             Some(Instruction::Parameter(parameter.owner, parameter.ty, parameter.slot))
         }
+        Term::Material(id) => Some(Instruction::ScalarValue(formula.material(*id).number)),
         Term::Apply(..) | Term::ByComponents(..) => None,
     }
 }
@@ -306,6 +307,7 @@ fn constants(formula: &Formula) -> Vec<Option<[f32; 3]>> {
     for term in &formula.terms {
         constants.push(match term {
             Term::Number(value) => Some([flush(*value); 3]),
+            Term::Material(id) => Some([formula.material(*id).number; 3]),
             Term::Variable(_) | Term::Parameter(_) | Term::ByComponents(..) => None,
             Term::Apply(operation, operands) => {
                 let values: Option<Vec<[f32; 3]>> = operands.iter().map(|operand| constants[operand.0 as usize]).collect();

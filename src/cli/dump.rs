@@ -153,6 +153,7 @@ fn branch(file: &FormulaFile, root: ExprId, text: &mut String) {
         let label = match kind {
             ExprKind::Number(value) => value.to_string(),
             ExprKind::Name(name) => name.clone(),
+            ExprKind::Text(text) => format!("\"{text}\""),
             ExprKind::Call(callee, _) => format!("{}()", callee.text),
             ExprKind::Prefix(mark, _) => format!("prefix {}", mark.spelling()),
             ExprKind::Infix(mark, ..) => mark.spelling().to_owned(),

@@ -22,6 +22,7 @@ pub fn term_values(
             Term::Number(value) => [flush(*value); 3],
             Term::Variable(symbol) => variable(*symbol).map(flush),
             Term::Parameter(id) => parameter(*id),
+            Term::Material(id) => [formula.material(*id).number; 3],
             Term::Apply(operation, operands) => {
                 operands_at_hand.clear();
                 operands_at_hand.extend(operands.iter().map(|operand| values[operand.0 as usize]));

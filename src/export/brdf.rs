@@ -18,6 +18,9 @@ pub enum ExportError {
     /// The formula has a texture, and the language has none.
     #[error("the formula has the texture `{0}`, and BRDF Explorer has none")]
     Texture(String),
+    /// The formula has a measured material, and other languages have none.
+    #[error("the formula has the measured material `{0}`, which cannot be exported")]
+    Measured(String),
 }
 
 /// The function that BRDF Explorer calls, for a function of a formula with these arguments.

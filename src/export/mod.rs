@@ -87,11 +87,14 @@ pub fn export(formula: &Formula, name: &str, origin: &str, target: ExportTarget)
     let exported = exported_functions(formula, name, dialect, &mut names);
     let function = &*exported[0].name;
     let used: BTreeSet<TermId> = exported.iter().flat_map(|own| formula.terms_of(own.root)).collect();
+    if let Some(Term::Material(id)) = used.iter().map(|id| formula.term(*id)).find(|term| matches!(term, Term::Material(_))) {
+        return Err(ExportError::Measured(formula.material(*id).path.clone()));
+    }
     let read: BTreeSet<ParameterId> = used
         .iter()
         .filter_map(|id| match formula.term(*id) {
             Term::Parameter(parameter) => Some(*parameter),
-            Term::Number(_) | Term::Variable(_) | Term::Apply(..) | Term::ByComponents(..) => None,
+            Term::Number(_) | Term::Variable(_) | Term::Material(_) | Term::Apply(..) | Term::ByComponents(..) => None,
         })
         .collect();
     let block = names.take(&format!("{}Parameters", camel(function)));

@@ -43,7 +43,7 @@ pub(super) fn write<W: TermWriter>(writer: &mut W, formula: &Formula, root: Term
     // Variables first, so that they have their names.
     let read = order.iter().filter_map(|id| match formula.term(*id) {
         Term::Variable(variable) => Some(*variable),
-        Term::Number(_) | Term::Parameter(_) | Term::Apply(..) | Term::ByComponents(..) => None,
+        Term::Number(_) | Term::Parameter(_) | Term::Material(_) | Term::Apply(..) | Term::ByComponents(..) => None,
     });
     read.for_each(|variable| _ = walk.variable(variable));
     let mut written: HashMap<TermId, W::Written> = HashMap::new();
@@ -54,6 +54,7 @@ pub(super) fn write<W: TermWriter>(writer: &mut W, formula: &Formula, root: Term
             Term::Number(number) => walk.writer.number(*number),
             Term::Variable(variable) => walk.variable(*variable),
             Term::Parameter(parameter) => walk.writer.parameter(*parameter),
+            Term::Material(material) => walk.writer.number(formula.material(*material).number),
             Term::Apply(operation, _) => walk.writer.apply(*operation, operands()),
             Term::ByComponents(operation, _) => walk.writer.by_components(*operation, operands()),
         };

@@ -79,6 +79,7 @@ impl Graph {
             let ty = formula.ty(TermId(index as u32));
             let nodes = match term {
                 Term::Number(value) => [graph.record_constant(*value); 3],
+                Term::Material(material) => [graph.record_constant(formula.material(*material).number); 3],
                 Term::Variable(variable) => graph.leaf(ty, |component| Node::Variable(*variable, component)),
                 Term::Parameter(parameter) => graph.leaf(ty, |component| Node::Parameter(*parameter, component)),
                 Term::Apply(operation, operands) => {

@@ -32,7 +32,7 @@ impl Formula {
                     terms.extend([term.clone(), Term::Variable(radiance)]);
                     terms.push(Term::Apply(Operation::MulVV, vec![own, TermId(own.0 + 1)]));
                 }
-                Term::Number(_) | Term::Variable(_) | Term::Parameter(_) => terms.push(term.clone()),
+                Term::Number(_) | Term::Variable(_) | Term::Parameter(_) | Term::Material(_) => terms.push(term.clone()),
                 Term::Apply(operation, all) => terms.push(Term::Apply(*operation, operands(all))),
                 Term::ByComponents(operation, all) => terms.push(Term::ByComponents(*operation, operands(all))),
             }

@@ -91,6 +91,21 @@ pub struct Invariant {
     pub relation: Relation,
 }
 
+/// A measured material that a formula names, as an index into [`Formula::materials`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct MaterialId(pub u32);
+
+/// A file of a measured material.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MaterialFile {
+    /// The path as written.
+    pub path: String,
+    /// Where it is named first.
+    pub span: SourceSpan,
+    /// The number of the material that was read from it; 0 before, where its reflectance is 0.
+    pub number: f32,
+}
+
 /// An expression, as an index into [`Formula::terms`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct TermId(pub u32);
@@ -104,6 +119,8 @@ pub enum Term {
     Variable(Variable),
     /// The value of a parameter.
     Parameter(ParameterId),
+    /// The number of a measured material.
+    Material(MaterialId),
     /// An operation on other expressions.
     Apply(Operation, Vec<TermId>),
     /// An operation on numbers, for each component of vectors. Scalars are the same for all components.
@@ -114,7 +131,7 @@ impl Term {
     /// The expressions that it uses.
     pub fn operands(&self) -> &[TermId] {
         match self {
-            Term::Number(_) | Term::Variable(_) | Term::Parameter(_) => &[],
+            Term::Number(_) | Term::Variable(_) | Term::Parameter(_) | Term::Material(_) => &[],
             Term::Apply(_, operands) | Term::ByComponents(_, operands) => operands,
         }
     }
@@ -130,6 +147,8 @@ pub struct Formula {
     pub parameters: Vec<Parameter>,
     /// All invariants, in the order of the file.
     pub invariants: Vec<Invariant>,
+    /// The measured materials, each file once, in the order in which they are met.
+    pub materials: Vec<MaterialFile>,
     /// All expressions, operands before their users. A macro is there once, however often it is used.
     pub terms: Vec<Term>,
     /// The macros by name, in the order of the file.
@@ -197,6 +216,11 @@ impl Formula {
         self.parameters.iter().filter(|parameter| parameter.owner == owner).map(|parameter| parameter.ty.slots()).sum()
     }
 
+    /// The measured material of this index.
+    pub fn material(&self, id: MaterialId) -> &MaterialFile {
+        &self.materials[id.0 as usize]
+    }
+
     /// The expression of this index.
     pub fn term(&self, id: TermId) -> &Term {
         &self.terms[id.0 as usize]
@@ -205,7 +229,7 @@ impl Formula {
     /// The type of an expression.
     pub fn ty(&self, id: TermId) -> Type {
         match self.term(id) {
-            Term::Number(_) => Type::Scalar,
+            Term::Number(_) | Term::Material(_) => Type::Scalar,
             Term::Variable(variable) => variable.ty(),
             Term::Parameter(parameter) => self.parameter(*parameter).ty,
             Term::Apply(operation, _) => operation.result(),

@@ -73,7 +73,8 @@ impl Written {
                 }
                 ExprKind::Prefix(_, operand) => _ = behind.insert(*operand),
                 ExprKind::Call(name, _) => name.span = SourceSpan::default(),
-                ExprKind::Number(_) | ExprKind::Name(_) | ExprKind::Vector(_) | ExprKind::Conditional(_) | ExprKind::Missing => {}
+                ExprKind::Number(_) | ExprKind::Name(_) | ExprKind::Text(_) | ExprKind::Missing => {}
+                ExprKind::Vector(_) | ExprKind::Conditional(_) => {}
             }
         }
         let definitions = file.definitions.iter().map(|definition| (definition.name.text.clone(), definition.body)).collect();
@@ -125,7 +126,11 @@ impl Formula {
             file.expressions.push(Expr { kind, span: SourceSpan::default(), outer: SourceSpan::default() });
             ExprId(file.expressions.len() as u32 - 1)
         };
-        let operands: Vec<ExprId> = self.term(id).operands().iter().map(|operand| add(ExprKind::Name(text(*operand)))).collect();
+        let operand = |operand: &TermId| match self.term(*operand) {
+            Term::Material(material) => ExprKind::Text(self.material(*material).path.clone()),
+            _ => ExprKind::Name(text(*operand)),
+        };
+        let operands: Vec<ExprId> = self.term(id).operands().iter().map(|id| add(operand(id))).collect();
         let root = add(self.syntax(id, &operands));
         print_expression(&file, root)
     }
@@ -136,6 +141,7 @@ impl Formula {
             Term::Number(value) => return ExprKind::Number(*value),
             Term::Variable(variable) => return ExprKind::Name(variable.name().to_owned()),
             Term::Parameter(parameter) => return ExprKind::Name(self.parameter(*parameter).name.clone()),
+            Term::Material(material) => return ExprKind::Text(self.material(*material).path.clone()),
             Term::Apply(operation, _) | Term::ByComponents(operation, _) => operation,
         };
         // Every operation has as many operands as its form asks for.
@@ -156,11 +162,17 @@ impl Formula {
                     Some(_) | None => ExprKind::Call(Name { text: String::new(), span: SourceSpan::default() }, vec![*texture]),
                 }
             }
+            // The others are the frame.
+            (Form::Measured, [file, light, view, ..]) => {
+                let name = Name { text: Form::Measured.spelling().to_owned(), span: SourceSpan::default() };
+                ExprKind::Call(name, vec![*file, *light, *view])
+            }
             (Form::Constant(name), _) => ExprKind::Name(name.to_owned()),
             (Form::Function(name), _) => {
                 ExprKind::Call(Name { text: name.to_owned(), span: SourceSpan::default() }, operands.to_vec())
             }
-            (Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Texture | Form::Conditional, _) => ExprKind::Missing,
+            (Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Texture, _) => ExprKind::Missing,
+            (Form::Measured | Form::Conditional, _) => ExprKind::Missing,
         }
     }
 }

@@ -14,11 +14,13 @@ pub(super) enum Callee {
     Noise,
     /// A component of the colour of a texture.
     Texture,
+    /// A component of a measured reflectance.
+    Measured,
 }
 
 impl Callee {
     /// All of them, in the order of their numbers.
-    pub(super) const ALL: [Callee; 2] = [Callee::Noise, Callee::Texture];
+    pub(super) const ALL: [Callee; 3] = [Callee::Noise, Callee::Texture, Callee::Measured];
     /// How many there are.
     pub(super) const COUNT: usize = Self::ALL.len();
 
@@ -32,6 +34,7 @@ impl Callee {
         match self {
             Callee::Noise => Primitive::Perlin,
             Callee::Texture => Primitive::Texture,
+            Callee::Measured => Primitive::Measured,
         }
     }
 
@@ -195,6 +198,10 @@ impl Scalars for NodeEmitter<'_, '_> {
 
     fn texture(&mut self, t: Value, u: Value, v: Value, c: Value) -> Value {
         self.call(Callee::Texture, &[t, u, v, c])
+    }
+
+    fn measured(&mut self, m: Value, lx: Value, ly: Value, vx: Value, vy: Value, c: Value) -> Value {
+        self.call(Callee::Measured, &[m, lx, ly, vx, vy, c])
     }
 
     fn less(&mut self, x: Value, y: Value) -> Value {

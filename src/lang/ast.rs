@@ -46,6 +46,8 @@ pub enum ExprKind {
     Number(f32),
     /// A variable, parameter, macro or constant.
     Name(String),
+    /// A text in quotation marks, as written: the path of a measured material.
+    Text(String),
     /// `name(arguments)`, with the place of the name.
     Call(Name, Vec<ExprId>),
     /// An operator before its operand.
@@ -79,7 +81,7 @@ impl ExprKind {
     /// The operands, in order.
     pub fn operands(&self) -> &[ExprId] {
         match self {
-            ExprKind::Number(_) | ExprKind::Name(_) | ExprKind::Missing => &[],
+            ExprKind::Number(_) | ExprKind::Name(_) | ExprKind::Text(_) | ExprKind::Missing => &[],
             ExprKind::Call(_, operands) | ExprKind::Vector(operands) => operands,
             ExprKind::Prefix(_, operand) => std::slice::from_ref(operand),
             ExprKind::Infix(_, _, operands) => operands,

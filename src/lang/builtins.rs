@@ -25,6 +25,8 @@ pub enum Form {
     Constant(&'static str),
     /// `name(u, v)`, where the name is that of a texture parameter.
     Texture,
+    /// `measured("file")` or `measured("file", l, v)`.
+    Measured,
     /// `<x, y, z>` or `<x>`.
     Vector,
     /// `if(condition, then, else)`.
@@ -291,6 +293,13 @@ operations! {
         let components = [0.0, 1.0, 2.0].map(|index| m.constant(index));
         components.map(|component| m.texture(texture, u, v, component))
     };
+    MeasuredReflectance Measured [file: S, l: V, v: V, normal: V, tangent: V] -> V Added
+        "π times the reflectance of a measured material for the directions l and v, which are L and V if they are left out; see the manual", |m| {
+        let light = hemisphere(m, l, normal, tangent);
+        let view = hemisphere(m, v, normal, tangent);
+        let components = [0.0, 1.0, 2.0].map(|index| m.constant(index));
+        components.map(|component| m.measured(file, light[0], light[1], view[0], view[1], component))
+    };
     MakeVector Vector [x: S, y: S, z: S] -> V Thesis "the vector of three components", |m| { let _ = &m; [x, y, z] };
     Spread Vector [x: S] -> V Added "the vector of three equal components, the same as <x, x, x>", |m| { let _ = &m; [x; 3] };
     Sqrt Function("sqrt") [x: S] -> S Thesis "square root", |m| m.sqrt(x);
@@ -368,13 +377,7 @@ operations! {
     GetY Function("gety") [v: V] -> S Thesis "the second component", |m| { let _ = &m; v[1] };
     GetZ Function("getz") [v: V] -> S Thesis "the third component", |m| { let _ = &m; v[2] };
     Dot Function("dot") [x: V, y: V] -> S Added "the same as x.y", |m| dot(m, x, y);
-    Cross Function("cross") [x: V, y: V] -> V Added "cross product", |m| {
-        let mut minor = |i: usize, j: usize| {
-            let (plus, minus) = (m.mul(x[i], y[j]), m.mul(x[j], y[i]));
-            m.sub(plus, minus)
-        };
-        [minor(1, 2), minor(2, 0), minor(0, 1)]
-    };
+    Cross Function("cross") [x: V, y: V] -> V Added "cross product", |m| cross(m, x, y);
     Reflect Function("reflect") [i: V, n: V] -> V Added "i - 2*(n.i)*n", |m| {
         let two = m.constant(2.0);
         let cosine = dot(m, n, i);
@@ -425,9 +428,28 @@ fn dot<M: Scalars>(m: &mut M, x: [M::Value; 3], y: [M::Value; 3]) -> M::Value {
     m.add(partial, c)
 }
 
+fn cross<M: Scalars>(m: &mut M, x: [M::Value; 3], y: [M::Value; 3]) -> [M::Value; 3] {
+    let mut minor = |i: usize, j: usize| {
+        let (plus, minus) = (m.mul(x[i], y[j]), m.mul(x[j], y[i]));
+        m.sub(plus, minus)
+    };
+    [minor(1, 2), minor(2, 0), minor(0, 1)]
+}
+
 fn length<M: Scalars>(m: &mut M, v: [M::Value; 3]) -> M::Value {
     let square = dot(m, v, v);
     m.sqrt(square)
+}
+
+/// The stereographic coordinates of a direction of any length, where the normal is +z and the tangent +x: x/(1 + z) and
+/// y/(1 + z). Directions above the horizon lie inside of the unit circle.
+fn hemisphere<M: Scalars>(m: &mut M, direction: [M::Value; 3], normal: [M::Value; 3], tangent: [M::Value; 3]) -> [M::Value; 2] {
+    let bitangent = cross(m, normal, tangent);
+    let place = [tangent, bitangent, normal].map(|axis| dot(m, direction, axis));
+    let radius = length(m, place);
+    let [x, y, z] = place;
+    let divisor = m.add(radius, z);
+    [x, y].map(|coordinate| m.div(coordinate, divisor))
 }
 
 /// By S. Moshier's `tanhf` (Cephes): a polynomial near 0, where 1 − 2/(e²ˣ + 1) would cancel.
@@ -538,6 +560,7 @@ impl Form {
             | Form::UnitDot
             | Form::Constant(_)
             | Form::Texture
+            | Form::Measured
             | Form::Vector
             | Form::Conditional => false,
         };
@@ -553,6 +576,7 @@ impl Form {
             Form::Function(name) | Form::Constant(name) => name,
             Form::UnitDot => Mark::Dot.spelling(),
             Form::Texture => "texture",
+            Form::Measured => "measured",
             Form::Vector => "<,,>",
             Form::Conditional => "if",
         }
@@ -592,17 +616,22 @@ impl Operation {
         }
     }
 
-    /// Operand types and result: `V,S→V`.
+    /// Types of operands and result: `V,S→V`. Of a measured material they are those of its two directions.
     pub fn signature(self) -> String {
-        let letters: Vec<String> = self.operands().iter().map(|operand| operand.letter().to_string()).collect();
+        let operands = if self.form() == Form::Measured { &self.operands()[1..3] } else { self.operands() };
+        let letters: Vec<String> = operands.iter().map(|operand| operand.letter().to_string()).collect();
         format!("{}→{}", letters.join(","), self.result().letter())
     }
 }
+
+/// How a measured material is written, with the directions that may be left out.
+pub const MEASURED_USAGES: [&str; 2] = ["measured(\"file\")", "measured(\"file\", l, v)"];
 
 /// The form of the function or constant of this name.
 pub fn named(name: &str) -> Option<Form> {
     Operation::ALL.iter().map(|operation| operation.form()).find(|form| match form {
         Form::Function(spelling) | Form::Constant(spelling) => *spelling == name,
+        Form::Measured => form.spelling() == name,
         Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Texture | Form::Vector | Form::Conditional => false,
     })
 }
@@ -613,6 +642,7 @@ pub fn names() -> Vec<&'static str> {
         .iter()
         .filter_map(|operation| match operation.form() {
             Form::Function(name) | Form::Constant(name) => Some(name),
+            Form::Measured => Some(Form::Measured.spelling()),
             Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Texture | Form::Vector | Form::Conditional => None,
         })
         .collect();

@@ -393,6 +393,17 @@ impl FormulaParser<'_> {
         }
     }
 
+    /// Parses the text that begins the arguments of a function which takes a file.
+    fn path(&mut self, callee: &Name) -> Option<ExprId> {
+        let token = self.cursor.peek(0).clone();
+        let TokenKind::Text(path) = token.kind else { return None };
+        if callee.text != Form::Measured.spelling() || self.cursor.previous_mark() != Some(Mark::Open) {
+            return None;
+        }
+        self.cursor.advance();
+        Some(self.add(ExprKind::Text(path), token.span))
+    }
+
     /// Parses `(arguments)` after a name.
     fn call(&mut self, nesting: usize, callee: Name) -> Result<ExprId, Reported> {
         let open = self.cursor.advance().span;
@@ -402,7 +413,8 @@ impl FormulaParser<'_> {
             return Ok(self.add(ExprKind::Call(callee, arguments), span));
         }
         loop {
-            arguments.push(self.sum(nesting)?);
+            let path = self.path(&callee);
+            arguments.push(path.map_or_else(|| self.sum(nesting), Ok)?);
             if self.sees_separator() {
                 let diagnostic = Diagnostic::error(format!("a `;` between the arguments of `{}`", callee.text));
                 let span = self.cursor.span();

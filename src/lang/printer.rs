@@ -58,6 +58,7 @@ impl Binding {
             ExprKind::Number(value) if value.is_sign_negative() => Binding::Unary,
             ExprKind::Number(_)
             | ExprKind::Name(_)
+            | ExprKind::Text(_)
             | ExprKind::Call(..)
             | ExprKind::Vector(_)
             | ExprKind::Conditional(_)
@@ -249,6 +250,9 @@ fn print_bound(file: &FormulaFile, root: ExprId, least: Binding, stand_in: &dyn 
                 let _ = write!(out, "{gap}{value}");
             }
             ExprKind::Name(name) => out.push_str(name),
+            ExprKind::Text(text) => {
+                let _ = write!(out, "\"{text}\"");
+            }
             ExprKind::Missing => out.push('?'),
             ExprKind::Prefix(mark, operand) => {
                 out.push_str(mark.spelling());

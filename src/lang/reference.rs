@@ -1,7 +1,7 @@
 //! The reference of the formula language, as tables and as text. It is made from the tables that the program itself
 //! uses.
 
-use crate::lang::builtins::{Form, Operation, Repetition};
+use crate::lang::builtins::{Form, MEASURED_USAGES, Operation, Repetition};
 use crate::lang::printer::Binding;
 use crate::lang::surface_terms::SurfaceTerm;
 use crate::lang::token::Mark;
@@ -108,7 +108,8 @@ fn operators() -> Vec<Row> {
         Form::Prefix(Mark::Not) => Some(Binding::Not),
         Form::Prefix(_) => Some(Binding::Unary),
         Form::Infix(mark) => Some(Binding::of_infix(mark)),
-        Form::UnitDot | Form::Function(_) | Form::Constant(_) | Form::Texture | Form::Vector | Form::Conditional => None,
+        Form::UnitDot | Form::Function(_) | Form::Constant(_) | Form::Texture => None,
+        Form::Measured | Form::Vector | Form::Conditional => None,
     };
     let mut operators: Vec<(Binding, &Operation)> =
         Operation::ALL.iter().filter_map(|operation| Some((binding(&operation)?, operation))).collect();
@@ -119,7 +120,7 @@ fn operators() -> Vec<Row> {
 
 fn functions() -> Vec<Row> {
     let is_function = |operation: &&Operation| match operation.form() {
-        Form::Function(_) | Form::Constant(_) | Form::Texture | Form::Vector | Form::Conditional => true,
+        Form::Function(_) | Form::Constant(_) | Form::Texture | Form::Measured | Form::Vector | Form::Conditional => true,
         // It is in the table of operators, as the dot product.
         Form::Prefix(_) | Form::Infix(_) | Form::UnitDot => false,
     };
@@ -144,6 +145,7 @@ fn row(operation: Operation) -> Row {
         Form::Constant(name) => name.to_owned(),
         // The first operand is the parameter itself.
         Form::Texture => format!("NAME({})", names[1..].join(", ")),
+        Form::Measured => MEASURED_USAGES[1].to_owned(),
         Form::Vector => format!("<{}>", names.join(", ")),
         Form::Conditional => format!("if({})", names.join(", ")),
     };

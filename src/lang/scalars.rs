@@ -10,6 +10,7 @@
 
 use crate::lang::interval::Interval;
 use crate::lang::noise;
+use crate::measured::kept;
 use crate::texture;
 
 macro_rules! yields_truth {
@@ -196,6 +197,10 @@ primitives! {
     /// A component (0 is red) of the colour of texture number `t` at the surface coordinates (u, v), see
     /// [`texture::component`].
     Texture texture(t, u, v, c) -> Number = texture::component(t, u, v, c), cost 60, interval Interval::FINITE;
+    /// A component (0 is red) of π times the reflectance of measured material number `m`, at stereographic coordinates
+    /// of the light and of the view, see [`kept::component`].
+    Measured measured(m, lx, ly, vx, vy, c) -> Number = kept::component(m, [lx, ly], [vx, vy], c),
+        cost 400, interval Interval::new(0.0, kept::LARGEST.into());
     /// Whether x < y.
     Less less(x, y) -> Truth = truth(x < y), cost 1, interval Interval::TRUTH;
     /// Whether x ≤ y.

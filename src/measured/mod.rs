@@ -7,10 +7,13 @@
 //! | RGL `.bsdf` | its first bytes | isotropic or anisotropic, RGB or spectra, which become linear sRGB under D65 |
 //! | CSV | being text | a list of samples for fitting, see [`ReflectanceSamples`] |
 //!
+//! Materials that formulas read have numbers, see [`kept`].
+//!
 //! Files come from anywhere. A damaged one is an error that says where, never a panic, and no memory is allocated
 //! because a header says so.
 
 mod error;
+pub mod kept;
 pub mod merl;
 mod rgl;
 mod samples;
@@ -33,6 +36,9 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 use tensor::TensorFile;
+
+/// The largest file that is read, in bytes.
+pub const LARGEST_FILE: u64 = 1 << 30;
 
 /// How much of a file is looked at to find out what it is, in bytes.
 const BEGINNING: usize = 1 << 12;
@@ -58,7 +64,7 @@ pub const FORMATS: [MeasuredFormat; 3] = [
     MeasuredFormat {
         name: "RGL",
         suffixes: &["bsdf"],
-        largest: 1 << 30,
+        largest: LARGEST_FILE,
         is_likely: |beginning, _| beginning.starts_with(tensor::MAGIC),
         read: |bytes| {
             let material = RglMaterial::new(&TensorFile::parse(bytes)?)?;

@@ -10,6 +10,7 @@ mod file_kind;
 mod images;
 mod location;
 pub mod materials;
+pub mod measured_files;
 pub mod owner;
 pub mod parameter_table;
 pub mod presets;

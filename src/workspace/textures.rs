@@ -11,6 +11,7 @@ use crate::lang::types::Type;
 use crate::texture::{self, MAX_TEXTURE_SIDE, TextureImage};
 use crate::workspace::images::{EncodedImage, ImageLimits, LINEAR_SUFFIXES, Undecoded, open_image, unreadable};
 use crate::workspace::location::Location;
+use crate::workspace::measured_files::read_materials;
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
@@ -76,18 +77,19 @@ fn linear(component: f32) -> f32 {
     colour::linear_from_srgb(f64::from(component)) as f32
 }
 
-/// Parses the formula at a location, and reads the images that are defaults of its textures. Their paths are relative
-/// to the folder of the formula.
+/// Parses the formula at a location, and reads the images that are defaults of its textures, and its measured
+/// materials. Their paths are relative to the folder of the formula.
 ///
 /// # Errors
-/// Those of [`Formula::parse`], and an error for each image that cannot be read.
+/// Those of [`Formula::parse`], and an error for each file that cannot be read.
 pub fn parse_formula(source: &Source, location: &Location) -> Result<(Formula, Diagnostics), Diagnostics> {
     let (mut formula, mut diagnostics) = Formula::parse(source)?;
     read_defaults(&mut formula, location, &mut diagnostics);
     if diagnostics.has_errors() { Err(diagnostics) } else { Ok((formula, diagnostics)) }
 }
 
-/// Reads the images that are defaults of a formula's textures, and reports those that cannot be read.
+/// Reads the images that are defaults of a formula's textures, and its measured materials, and reports those that
+/// cannot be read.
 pub fn read_defaults(formula: &mut Formula, location: &Location, diagnostics: &mut Diagnostics) {
     let folder = location.file().and_then(Path::parent).unwrap_or(Path::new("")).to_owned();
     for parameter in formula.parameters.iter_mut().filter(|parameter| parameter.ty == Type::Texture) {
@@ -97,6 +99,7 @@ pub fn read_defaults(formula: &mut Formula, location: &Location, diagnostics: &m
             Err(error) => diagnostics.push(error.at(*span, "named here")),
         }
     }
+    read_materials(formula, &folder, diagnostics);
     diagnostics.sort();
 }
 

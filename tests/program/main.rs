@@ -19,6 +19,7 @@ mod man;
 #[cfg(unix)]
 mod manual;
 mod materials;
+mod measured;
 mod memory;
 mod messages;
 mod misspellings;

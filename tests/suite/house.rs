@@ -31,7 +31,7 @@ const ROOMS: [(&str, &[&str]); 29] = [
     ("bytecode", &["lang", "formula", "scene", "world", "trace"]),
     ("plan", &["lang", "formula"]),
     // Machine code knows the layout of hits, and how components become bytes.
-    ("jit", &["simd", "texture", "lang", "formula", "plan", "trace", "picture"]),
+    ("jit", &["simd", "texture", "measured", "lang", "formula", "plan", "trace", "picture"]),
     ("evaluate", &["texture", "lang", "formula", "scene", "world", "trace", "plan", "picture"]),
     ("export", &["lang", "formula"]),
     // The kernels of a graphics device are written in WGSL, and it has textures of its own.
@@ -45,7 +45,21 @@ const ROOMS: [(&str, &[&str]); 29] = [
     ("sensitivity", &["lang", "formula", "world", "trace", "picture", "evaluate", "engine"]),
     (
         "workspace",
-        &["files", "texture", "lang", "formula", "scene", "mesh", "bvh", "environment", "world", "trace", "engine", "picture"],
+        &[
+            "files",
+            "texture",
+            "measured",
+            "lang",
+            "formula",
+            "scene",
+            "mesh",
+            "bvh",
+            "environment",
+            "world",
+            "trace",
+            "engine",
+            "picture",
+        ],
     ),
     ("import", &["files", "lang", "mesh", "scene", "trace", "picture", "workspace"]),
     ("assist", &["lang", "formula", "scene", "workspace"]),

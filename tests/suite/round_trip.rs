@@ -21,6 +21,7 @@ fn bare(mut file: FormulaFile) -> FormulaFile {
             ExprKind::Call(callee, _) => callee.span = nowhere,
             ExprKind::Number(_)
             | ExprKind::Name(_)
+            | ExprKind::Text(_)
             | ExprKind::Prefix(..)
             | ExprKind::Vector(_)
             | ExprKind::Conditional(_)

@@ -20,10 +20,14 @@ pub use picture::DevicePicture;
 use crate::backends::compiled::columns::LeafColumns;
 use crate::backends::compiled::leaves::StaticTextures;
 use crate::evaluate::{Backend, EvaluateError, Evaluator, Footprint, equation_in, evaluated_formula};
+use crate::formula::binding::Bindings;
+use crate::formula::binding_time::BindingTime;
 use crate::formula::equation::Equation;
+use crate::formula::graph::{Node, NodeId};
 use crate::formula::layout::Layout;
 use crate::formula::{Formula, Parameter};
 use crate::jit::{CompiledFormula, KernelCache};
+use crate::lang::scalars::Primitive;
 use crate::lang::types::Type;
 use crate::plan::{ParameterSlot, SurfacePlan};
 use crate::trace::{Hits, View};
@@ -78,11 +82,27 @@ impl DeviceKernel {
     }
 }
 
+/// Why a formula is refused.
+const MEASURED_IN_FRAMES: &str = "the backend `gpu` cannot evaluate a measured material for directions that depend on \
+    parameters; the backends `jit` and `interpreter` can";
+
+/// Whether a measured material is evaluated in each frame. Static values are computed before, and not on the device.
+fn measures_in_frames(bindings: &Bindings) -> bool {
+    (0..bindings.graph.len() as u32).map(NodeId).any(|id| {
+        matches!(bindings.graph.node(id), Node::Apply(Primitive::Measured, _))
+            && matches!(bindings.time(id), BindingTime::Uniform | BindingTime::Dynamic)
+    })
+}
+
 impl Gpu {
     /// The kernel of a formula, from the cache or compiled now.
     fn kernel(&self, formula: &Formula) -> Result<DeviceKernel, EvaluateError> {
         let device = GraphicsDevice::shared()?;
         let compiled = self.compiled.compiled(formula)?;
+        let surface = compiled.plan.surface.as_ref().map(|surface| &surface.bindings);
+        if std::iter::once(&compiled.plan.bindings).chain(surface).any(measures_in_frames) {
+            return Err(EvaluateError::Backend(MEASURED_IN_FRAMES.to_owned()));
+        }
         let locked = || self.kernels.lock().unwrap_or_else(PoisonError::into_inner);
         let known = {
             let mut kernels = locked();

@@ -131,6 +131,6 @@ fn nan_operand(formula: &Formula, id: TermId, values: &[[f32; 3]]) -> Option<Ter
                 _ => operands.iter().copied().find(is_nan_there).or_else(|| operands.iter().copied().find(is_nan)),
             }
         }
-        Term::Number(_) | Term::Variable(_) | Term::Parameter(_) => None,
+        Term::Number(_) | Term::Variable(_) | Term::Parameter(_) | Term::Material(_) => None,
     }
 }

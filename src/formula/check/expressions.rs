@@ -11,13 +11,14 @@ use crate::formula::check::leaves::leaves;
 use crate::formula::check::names::{Meaning, Names, RepetitionCall};
 use crate::formula::check::terms::{Settled, Terms};
 use crate::formula::written::{Written, WrittenBody, WrittenCall};
-use crate::formula::{Parameter, ParameterId, Term, TermId};
+use crate::formula::{MaterialFile, MaterialId, Parameter, ParameterId, Term, TermId};
 use crate::lang::ast::{ExprId, ExprKind, FormulaFile, Name};
 use crate::lang::builtins::{Form, Operation, Repetition};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::{Source, SourceSpan};
 use crate::lang::token::Mark;
 use crate::lang::types::Type;
+use crate::lang::variables::Variable;
 use std::collections::{HashMap, HashSet};
 use std::hash::Hash;
 use std::rc::Rc;
@@ -29,6 +30,8 @@ type CallKey = (usize, Vec<TermId>);
 pub(super) struct Checked {
     /// All terms, operands before their users.
     pub(super) terms: Vec<Term>,
+    /// The measured materials that they name.
+    pub(super) materials: Vec<MaterialFile>,
     /// The valid macros, in the order of the file.
     pub(super) macros: Vec<(String, TermId)>,
     /// The formula's last line, if it is valid.
@@ -67,6 +70,7 @@ pub(super) fn check(
         names,
         diagnostics,
         terms: Terms::default(),
+        materials: Vec::new(),
         settled: vec![None; file.expressions.len()],
         macros: vec![None; file.definitions.len()],
         circular,
@@ -101,7 +105,7 @@ pub(super) fn check(
     let macros = found.filter_map(|(value, definition)| value.map(|(id, _)| (definition.name.text.clone(), id))).collect();
     let (terms, origins) = checker.terms.into_lists();
     let written = Written::new(file, bodies, checker.written_calls, origins);
-    Checked { terms, macros, result, written, settled: checker.settled }
+    Checked { terms, materials: checker.materials, macros, result, written, settled: checker.settled }
 }
 
 /// Checks expressions, and makes their terms.
@@ -112,6 +116,7 @@ pub(super) struct Checker<'c> {
     names: &'c Names,
     pub(super) diagnostics: &'c mut Diagnostics,
     terms: Terms,
+    materials: Vec<MaterialFile>,
     pub(super) settled: Vec<Option<Settled>>,
     /// The values of the macros among the definitions.
     macros: Vec<Option<Settled>>,
@@ -281,7 +286,8 @@ impl<'c> Checker<'c> {
         let file = self.file;
         let expression = file.expr(id);
         CheckStep::Done(match &expression.kind {
-            ExprKind::Missing => None,
+            // A text has a meaning for the call that it stands in.
+            ExprKind::Missing | ExprKind::Text(_) => None,
             ExprKind::Number(value) => Some(self.terms.number(*value)),
             ExprKind::Name(name) => self.name(name),
             ExprKind::Call(callee, arguments) => return self.call(id, callee, arguments),
@@ -325,6 +331,7 @@ impl<'c> Checker<'c> {
     fn call(&mut self, id: ExprId, callee: &'c Name, arguments: &'c [ExprId]) -> CheckStep<'c> {
         match self.names.callee(&callee.text) {
             Some(Meaning::Builtin(form @ Form::Function(_))) => CheckStep::Done(self.operation(form, id, arguments, callee.span)),
+            Some(Meaning::Builtin(Form::Measured)) => CheckStep::Done(self.measured(id, arguments, callee.span)),
             Some(Meaning::Function(index)) => self.call_function(index, callee, arguments),
             Some(Meaning::Parameter(texture)) => CheckStep::Done(self.texture(texture, id, arguments, callee.span)),
             Some(Meaning::Repetition(_)) => match self.names.repetition(self.file, id) {
@@ -356,6 +363,39 @@ impl<'c> Checker<'c> {
             frame.lookups.push(colour.0);
         }
         Some(colour)
+    }
+
+    /// π times the reflectance of a measured material.
+    fn measured(&mut self, id: ExprId, arguments: &'c [ExprId], span: SourceSpan) -> Option<Settled> {
+        let [file, directions @ ..] = arguments else { return None };
+        // Another number of arguments has been reported, and so has a first one that is no text.
+        let ExprKind::Text(path) = &self.file.expr(*file).kind else { return None };
+        let mut variable = |variable: Variable| self.terms.add(Term::Variable(variable), variable.ty());
+        let (normal, tangent) = (variable(Variable::Normal), variable(Variable::Tangent));
+        let directions: Vec<Settled> = match directions {
+            [] => vec![variable(Variable::ToLight), variable(Variable::ToViewer)],
+            [_, _] => {
+                let settled: Option<Vec<Settled>> = directions.iter().map(|argument| self.settled[argument.0 as usize]).collect();
+                settled?.into_iter().map(|value| self.terms.as_value(value)).collect()
+            }
+            _ => return None,
+        };
+        let types: Vec<Type> = directions.iter().map(|(_, ty)| *ty).collect();
+        if types != [Type::Vector; 2] {
+            if self.reported.insert(id) {
+                self.report_mismatch(Form::Measured, id, &arguments[1..], &types, span);
+            }
+            return None;
+        }
+        let known = self.materials.iter().position(|known| known.path == *path);
+        let index = known.unwrap_or_else(|| {
+            let span = self.file.expr(*file).span;
+            self.materials.push(MaterialFile { path: path.clone(), span, number: 0.0 });
+            self.materials.len() - 1
+        });
+        let (material, _) = self.terms.add(Term::Material(MaterialId(index as u32)), Type::Scalar);
+        let operands = [material, directions[0].0, directions[1].0, normal.0, tangent.0];
+        Some(self.terms.add(Term::Apply(Operation::MeasuredReflectance, operands.to_vec()), Type::Vector))
     }
 
     fn call_function(&mut self, index: usize, callee: &'c Name, arguments: &[ExprId]) -> CheckStep<'c> {
@@ -483,6 +523,7 @@ impl<'c> Checker<'c> {
                 | Form::Function(_)
                 | Form::Constant(_)
                 | Form::Texture
+                | Form::Measured
                 | Form::Vector => false,
             };
             *value = if condition { self.terms.as_condition(*value) } else { self.terms.as_value(*value) };

@@ -98,6 +98,7 @@ pub(super) fn hint(
             ExprKind::Name(name) => pending.extend(macro_body(name)),
             ExprKind::Infix(..)
             | ExprKind::Number(_)
+            | ExprKind::Text(_)
             | ExprKind::Call(..)
             | ExprKind::Vector(_)
             | ExprKind::Conditional(_)

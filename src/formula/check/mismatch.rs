@@ -3,7 +3,7 @@
 use crate::formula::check::expressions::Checker;
 use crate::formula::check::grouping;
 use crate::lang::ast::{ExprId, ExprKind};
-use crate::lang::builtins::{Form, Operation};
+use crate::lang::builtins::{Form, MEASURED_USAGES, Operation};
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::foreign;
 use crate::lang::printer::print_expression;
@@ -36,6 +36,12 @@ impl Checker<'_> {
                     .at(whole(&operands[wrong]), "expected a scalar")
                     .help("the surface coordinates of a hit are `u` and `v`")
             }
+            Form::Measured => {
+                let wrong = types.iter().position(|ty| *ty != Type::Vector).unwrap_or(0);
+                Diagnostic::error(format!("a direction of a measured material is {}", types[wrong].with_article()))
+                    .at(whole(&operands[wrong]), "expected a vector")
+                    .help(format!("write `{}`", MEASURED_USAGES.join("` or `")))
+            }
             Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Function(_) | Form::Constant(_) => {
                 let listed: Vec<&str> = types.iter().map(|ty| ty.with_article()).collect();
                 let mut diagnostic = Diagnostic::error(format!("`{spelling}` does not take {}", listed.join(" and ")))
@@ -59,7 +65,8 @@ impl Checker<'_> {
             Form::Function(name) => {
                 form.overloads().map(|op| in_words(op, |types| format!("{name}({})", types.join(", ")))).collect()
             }
-            Form::UnitDot | Form::Constant(_) | Form::Texture | Form::Vector | Form::Conditional => Vec::new(),
+            Form::UnitDot | Form::Constant(_) | Form::Texture => Vec::new(),
+            Form::Measured | Form::Vector | Form::Conditional => Vec::new(),
         };
         let mixed = types.contains(&Type::Scalar) && types.contains(&Type::Vector);
         if mixed

@@ -74,6 +74,7 @@ fn check(source: &Source, substitution: Substitution) -> Result<(Formula, Diagno
         parameters,
         invariants: invariants.into_iter().map(|(invariant, _)| invariant).collect(),
         macros: expressions.macros,
+        materials: expressions.materials,
         terms: expressions.terms,
         result,
         written: expressions.written,

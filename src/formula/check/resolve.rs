@@ -4,8 +4,8 @@
 
 use crate::formula::Parameter;
 use crate::formula::check::names::{Meaning, Names};
-use crate::lang::ast::{ExprId, ExprKind, FormulaFile, Name};
-use crate::lang::builtins::{Form, Operation, Repetition};
+use crate::lang::ast::{Expr, ExprId, ExprKind, FormulaFile, Name};
+use crate::lang::builtins::{Form, MEASURED_USAGES, Operation, Repetition};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::foreign;
 use crate::lang::printer::{head, print_expression};
@@ -111,6 +111,7 @@ impl<'r> Resolver<'r> {
                     continue;
                 }
                 ExprKind::Number(_)
+                | ExprKind::Text(_)
                 | ExprKind::Prefix(..)
                 | ExprKind::Infix(..)
                 | ExprKind::Vector(_)
@@ -161,6 +162,7 @@ impl<'r> Resolver<'r> {
             ExprKind::Name(member) => (member, behind.span),
             ExprKind::Call(callee, _) => (&callee.text, callee.span),
             ExprKind::Number(_)
+            | ExprKind::Text(_)
             | ExprKind::Prefix(..)
             | ExprKind::Infix(..)
             | ExprKind::Vector(_)
@@ -245,8 +247,19 @@ impl<'r> Resolver<'r> {
 
     fn call(&mut self, callee: &Name, arguments: &[ExprId]) {
         let name = &callee.text;
-        match self.names.callee(name) {
+        let meaning = self.names.callee(name);
+        let is_text = |id: &&ExprId| matches!(self.file.expr(**id).kind, ExprKind::Text(_));
+        if let Some(text) = arguments.iter().find(is_text)
+            && meaning != Some(Meaning::Builtin(Form::Measured))
+        {
+            self.diagnostics.push(
+                Diagnostic::error(format!("`{name}` has another meaning in this formula, and takes no text"))
+                    .at(self.file.expr(*text).span, "expected a value"),
+            );
+        }
+        match meaning {
             Some(Meaning::Builtin(form @ Form::Function(_))) => self.argument_count(form, callee, arguments.len()),
+            Some(Meaning::Builtin(Form::Measured)) => self.measured(callee, arguments),
             Some(Meaning::Function(index)) => {
                 let definition = &self.file.definitions[index];
                 let wanted = definition.arguments.as_ref().map_or(0, Vec::len);
@@ -295,6 +308,22 @@ impl<'r> Resolver<'r> {
                 );
             }
         }
+    }
+
+    /// Reports a measured material without the path of a file, or with too few or too many directions.
+    fn measured(&mut self, callee: &Name, arguments: &[ExprId]) {
+        let usages = || format!("write `{}`", MEASURED_USAGES.join("` or `"));
+        let first = arguments.first().map(|id| self.file.expr(*id));
+        let diagnostic = match (first, arguments.len()) {
+            (Some(Expr { kind: ExprKind::Text(_), .. }), 1 | 3) => return,
+            (Some(Expr { kind: ExprKind::Text(_), .. }), count) => {
+                Diagnostic::error(format!("`{}` takes a file and 2 directions, or a file alone", callee.text))
+                    .at(callee.span, format!("{} given", count - 1))
+            }
+            (other, _) => Diagnostic::error(format!("`{}` needs the path of a file", callee.text))
+                .at(other.map_or(callee.span, |first| first.span), "expected a text in quotation marks"),
+        };
+        self.diagnostics.push(diagnostic.help(usages()));
     }
 
     /// Reports a call of a function of the language with too few or too many arguments.

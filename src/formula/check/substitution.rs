@@ -103,6 +103,7 @@ fn differs(file: &FormulaFile, checked: &Checked, user: &ExprKind, position: usi
         },
         ExprKind::Prefix(..)
         | ExprKind::Number(_)
+        | ExprKind::Text(_)
         | ExprKind::Name(_)
         | ExprKind::Call(..)
         | ExprKind::Vector(_)

@@ -4,6 +4,7 @@ use crate::formula::check::expressions::Checked;
 use crate::formula::check::names::{Meaning, Names};
 use crate::formula::{Parameter, SurfaceTerms};
 use crate::lang::ast::{Definition, ExprId, ExprKind, FormulaFile};
+use crate::lang::builtins::Form;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::SourceSpan;
 use crate::lang::surface_terms::SurfaceTerm;
@@ -137,7 +138,9 @@ impl Reads<'_> {
 
     /// A variable or parameter of a light that an expression reads, with the place.
     fn of_lights(&self, root: ExprId) -> Option<(String, SourceSpan)> {
-        self.first(root, |meaning| match meaning {
+        self.first(root, |meaning, kind| match meaning {
+            // Without directions it reads L.
+            Meaning::Builtin(Form::Measured) => kind.operands().len() == 1,
             Meaning::Variable(variable) => variable.rate() == Rate::Record,
             Meaning::Parameter(id) => self.parameters[id.0 as usize].owner == Owner::Light,
             Meaning::Macro(_) | Meaning::Function(_) | Meaning::Builtin(_) | Meaning::Repetition(_) => false,
@@ -146,10 +149,10 @@ impl Reads<'_> {
 
     /// A variable that only weights have and that an expression reads, with the place.
     fn of_crossings(&self, root: ExprId) -> Option<(String, SourceSpan)> {
-        self.first(root, |meaning| matches!(meaning, Meaning::Variable(variable) if variable.is_of_crossing()))
+        self.first(root, |meaning, _| matches!(meaning, Meaning::Variable(variable) if variable.is_of_crossing()))
     }
 
-    fn first(&self, root: ExprId, wanted: impl Fn(Meaning) -> bool) -> Option<(String, SourceSpan)> {
+    fn first(&self, root: ExprId, wanted: impl Fn(Meaning, &ExprKind) -> bool) -> Option<(String, SourceSpan)> {
         let mut seen = HashSet::new();
         let mut pending = vec![(root, Vec::<&str>::new())];
         while let Some((id, hidden)) = pending.pop() {
@@ -166,7 +169,7 @@ impl Reads<'_> {
                     let arguments = definition.arguments.iter().flatten().map(|argument| argument.text.as_str()).collect();
                     pending.push((definition.body, arguments));
                 }
-                Some(meaning) if wanted(meaning) => {
+                Some(meaning) if wanted(meaning, &expression.kind) => {
                     return Some((format!("`{}`", name.unwrap_or_default()), expression.span));
                 }
                 _ => {}

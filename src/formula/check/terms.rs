@@ -17,6 +17,7 @@ enum TermContent {
     Number(u32),
     Variable(Variable),
     Parameter(u32),
+    Material(u32),
     Apply(Operation, Vec<TermId>),
     ByComponents(Operation, Vec<TermId>),
 }
@@ -80,6 +81,7 @@ impl Terms {
             Term::Number(value) => TermContent::Number(value.to_bits()),
             Term::Variable(variable) => TermContent::Variable(*variable),
             Term::Parameter(parameter) => TermContent::Parameter(parameter.0),
+            Term::Material(material) => TermContent::Material(material.0),
             Term::Apply(operation, operands) => TermContent::Apply(*operation, alike(operands)),
             Term::ByComponents(operation, operands) => TermContent::ByComponents(*operation, alike(operands)),
         };
@@ -140,7 +142,8 @@ impl Terms {
                 operands.iter().all(|operand| self.is_direction(*operand))
             }
             Term::Apply(Operation::IfV, operands) => operands[1..].iter().all(|operand| self.is_direction(*operand)),
-            Term::Apply(..) | Term::ByComponents(..) | Term::Number(_) | Term::Parameter(_) => false,
+            Term::Apply(..) | Term::ByComponents(..) => false,
+            Term::Number(_) | Term::Parameter(_) | Term::Material(_) => false,
         }
     }
 
@@ -148,7 +151,8 @@ impl Terms {
     fn value(&mut self, term: &Term) -> Option<[f32; 3]> {
         let (operation, operands) = match term {
             Term::Number(value) => return Some([flush(*value); 3]),
-            Term::Variable(_) | Term::Parameter(_) | Term::ByComponents(..) => return None,
+            // Which number a material has is known later.
+            Term::Variable(_) | Term::Parameter(_) | Term::Material(_) | Term::ByComponents(..) => return None,
             Term::Apply(operation, operands) => (operation, operands),
         };
         let values: Option<Vec<[f32; 3]>> = operands.iter().map(|operand| self.constant(*operand)).collect();

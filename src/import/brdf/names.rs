@@ -18,6 +18,7 @@ impl FormulaNames {
     pub(super) fn new() -> Self {
         let functions = Operation::ALL.iter().filter_map(|operation| match operation.form() {
             Form::Function(name) | Form::Constant(name) => Some(name),
+            Form::Measured => Some(Form::Measured.spelling()),
             Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Texture | Form::Vector | Form::Conditional => None,
         });
         let known = Variable::written().map(|variable| variable.name());

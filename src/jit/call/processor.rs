@@ -6,6 +6,7 @@ use crate::jit::emit::Callee;
 use crate::jit::lanes::Line;
 use crate::lang::noise;
 use crate::lang::scalars::flush;
+use crate::measured::kept;
 use crate::texture;
 
 /// A call of compiled code: the operands, and the address of the code. For code that adds to pixels, the operands are
@@ -106,6 +107,7 @@ pub(super) fn address_of(callee: Callee) -> *const u8 {
     match callee {
         Callee::Noise => noise_lanes as *const u8,
         Callee::Texture => texture_lanes as *const u8,
+        Callee::Measured => measured_lanes as *const u8,
     }
 }
 
@@ -125,6 +127,15 @@ unsafe extern "C" fn noise_lanes(numbers: *mut f32) {
 unsafe extern "C" fn texture_lanes(numbers: *mut f32) {
     // SAFETY: passed on.
     unsafe { lanes(numbers, |[t, u, v, c]: [f32; 4]| texture::component(t, u, v, c)) }
+}
+
+/// A component of a measured reflectance, see [`address_of`].
+///
+/// # Safety
+/// That of [`lanes`] for six operands.
+unsafe extern "C" fn measured_lanes(numbers: *mut f32) {
+    // SAFETY: passed on.
+    unsafe { lanes(numbers, |[m, lx, ly, vx, vy, c]: [f32; 6]| kept::component(m, [lx, ly], [vx, vy], c)) }
 }
 
 /// Computes a function of `OPERANDS` numbers in four lanes.

@@ -84,6 +84,7 @@ pub(super) fn expression(ty: Type, depth: u32, macros: bool) -> BoxedStrategy<St
             Form::Function(name) => format!("{name}({})", operands.join(", ")),
             Form::Constant(name) => name.to_owned(),
             Form::Texture => format!("{}({}, {})", operands[0], operands[1], operands[2]),
+            Form::Measured => format!("measured(\"none\", {}, {})", operands[1], operands[2]),
             Form::Vector => format!("<{}>", operands.join(", ")),
             Form::Conditional => format!("if({})", operands.join(", ")),
         })

@@ -43,6 +43,7 @@ tests_of_every_backend! {
     textures: colours_are_those_of_the_reference,
         drags_and_views_agree_with_the_interpreter,
         textures_are_replaced_while_a_slider_is_held;
+    measured: pixels_have_the_reflectance_of_the_file;
     visible: light_comes_through_a_leaf_unless_something_is_behind_it,
         a_closed_body_hides_a_light_behind_it_by_its_far_side,
         without_shadow_rays_every_light_is_visible,

@@ -13,6 +13,7 @@ mod drags;
 mod formulas;
 #[cfg(feature = "gpu")]
 mod gpu;
+mod measured;
 mod operations;
 mod passes;
 mod sessions;

@@ -40,6 +40,8 @@ impl PrimitiveForm {
             Primitive::Atan2 => PrimitiveForm::By("arc_tangent_2"),
             Primitive::Perlin => PrimitiveForm::By("noise_sum"),
             Primitive::Texture => PrimitiveForm::By("texture_component"),
+            // Formulas that compute it on the device are refused before.
+            Primitive::Measured => PrimitiveForm::By("measured_component"),
         }
     }
 }
@@ -74,6 +76,7 @@ fn truth_operands(primitive: Primitive) -> usize {
         | Primitive::Atan2
         | Primitive::Perlin
         | Primitive::Texture
+        | Primitive::Measured
         | Primitive::Less
         | Primitive::LessEqual
         | Primitive::Equal => 0,

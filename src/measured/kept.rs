@@ -1,0 +1,144 @@
+//! The materials that formulas read, each with a number, and the primitive of formulas that evaluates them.
+//!
+//! A material is kept until the program ends, as textures are: its number may be in compiled code and in formulas of
+//! any window. 0 is the number of no material.
+
+use crate::measured::MeasuredMaterial;
+use glam::{DVec2, DVec3};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+/// The most materials that a run of the program can have.
+const MOST: usize = 1024;
+
+/// The most memory that all materials together may take, in bytes.
+pub const MAX_MEASURED_BYTES: u64 = 4 << 30;
+
+/// The largest value that formulas get. Measurements stay far below: a highlight within a quarter of
+/// a degree has about 5e4.
+/// The bound lets products with other bounded values be regrouped, so that what is static is multiplied after tracing.
+pub const LARGEST: f32 = 9e5;
+
+/// A material with the file that it was read from.
+#[derive(Debug)]
+struct KeptMaterial {
+    path: PathBuf,
+    material: Arc<MeasuredMaterial>,
+}
+
+/// The materials by their numbers.
+static KEPT: [OnceLock<KeptMaterial>; MOST] = [const { OnceLock::new() }; MOST];
+
+/// The number of the first material. Unit tests apply all operations to small numbers, which stay those of no material.
+const FIRST: usize = if cfg!(test) { 256 } else { 1 };
+
+/// The number of the next material, and how many bytes all of them take.
+static TAKEN: Mutex<(usize, u64)> = Mutex::new((FIRST, 0));
+
+/// Why there is no room for a material.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum NoMaterialRoom {
+    /// There are too many.
+    #[error("there are more than {MOST} measured materials")]
+    Number,
+    /// They take too much memory.
+    #[error("all measured materials together, and reading this one, take more than {} GiB of memory", MAX_MEASURED_BYTES >> 30)]
+    Memory,
+}
+
+/// Whether there is room for this many bytes beside the materials that are there.
+///
+/// # Errors
+/// There are too many materials, or they would take too much memory.
+pub fn check_room(more: u64) -> Result<(), NoMaterialRoom> {
+    let (numbers, bytes) = *TAKEN.lock().unwrap_or_else(PoisonError::into_inner);
+    if numbers >= MOST {
+        Err(NoMaterialRoom::Number)
+    } else if bytes.saturating_add(more) > MAX_MEASURED_BYTES {
+        Err(NoMaterialRoom::Memory)
+    } else {
+        Ok(())
+    }
+}
+
+/// Keeps a material that was read from a file, and gives it a number greater than 0.
+///
+/// # Errors
+/// There are too many materials, or they would take too much memory.
+pub fn keep(path: PathBuf, material: Arc<MeasuredMaterial>) -> Result<f32, NoMaterialRoom> {
+    let size = material.bytes();
+    check_room(size)?;
+    let mut taken = TAKEN.lock().unwrap_or_else(PoisonError::into_inner);
+    let number = taken.0;
+    let place = KEPT.get(number).ok_or(NoMaterialRoom::Number)?;
+    place.get_or_init(|| KeptMaterial { path, material });
+    *taken = (number + 1, taken.1.saturating_add(size));
+    Ok(number as f32)
+}
+
+fn kept(number: f32) -> Option<&'static KeptMaterial> {
+    // NaN and negative numbers become 0.
+    KEPT.get((number + 0.5) as usize)?.get()
+}
+
+/// The material of a number; `None` for numbers that no material has.
+pub fn numbered(number: f32) -> Option<&'static Arc<MeasuredMaterial>> {
+    kept(number).map(|kept| &kept.material)
+}
+
+/// The file that the material of a number was read from.
+pub fn path_of(number: f32) -> Option<&'static Path> {
+    kept(number).map(|kept| kept.path.as_path())
+}
+
+/// The unit vector with these stereographic coordinates. Inside of the unit circle it is above the horizon.
+fn direction(place: DVec2) -> DVec3 {
+    let square = place.length_squared();
+    place.extend(0.5 * (1.0 - square)) * (2.0 / (1.0 + square))
+}
+
+/// A component (0 is red) of π times the reflectance of the material with a number, at most [`LARGEST`]; 0 where there
+/// is none. `light` and `view` are stereographic coordinates: x/(1 + z) and y/(1 + z) of unit vectors, normal +z,
+/// tangent +x.
+pub fn component<T: Into<f64> + From<f32>>(number: T, light: [T; 2], view: [T; 2], component: T) -> T {
+    let value = |number: f32, light: DVec2, view: DVec2, component: f32| {
+        let material = numbered(number)?;
+        let value = material.value(direction(light), direction(view));
+        Some((std::f64::consts::PI * value.to_array().get((component + 0.5) as usize)?).min(LARGEST.into()) as f32)
+    };
+    let place = |[x, y]: [T; 2]| DVec2::new(x.into(), y.into());
+    value(number.into() as f32, place(light), place(view), component.into() as f32).unwrap_or(0.0).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measured::{Measurement, merl};
+    use std::f64::consts::PI;
+
+    #[test]
+    fn numbers_lead_to_materials() {
+        let bytes = merl::bytes(|_, _| DVec3::new(0.5, 0.25, 1.0) / PI);
+        let path = Path::new("lambert.binary");
+        let material = Measurement::of_bytes("lambert.binary", &bytes).and_then(|read| read.material(path)).expect("a material");
+        let number = keep(path.to_owned(), material).expect("room");
+        assert_eq!((path_of(number), number > 0.0), (Some(path), true));
+        // The pole is straight above; half way, at tan(θ/2), a direction is 45 degrees off.
+        let half_way = (PI / 8.0).tan() as f32;
+        for place in [[0.0, 0.0], [half_way, 0.0], [0.0, -0.99], [0.7, 0.7]] {
+            let colour = [0.0, 1.0, 2.0].map(|index| component(number, place, [0.3, 0.4], index));
+            assert!(colour.iter().zip([0.5, 0.25, 1.0]).all(|(found, wanted)| (found - wanted).abs() < 1e-6), "{colour:?}");
+            assert!((component(f64::from(number), place.map(f64::from), [0.3, 0.4], 1.0) - 0.25).abs() < 1e-6);
+        }
+        for place in [[1.0, 0.0], [0.8, 0.8], [5.0, 5.0], [f32::NAN, 0.0], [0.0, f32::INFINITY], [f32::MAX; 2]] {
+            assert_eq!(component(number, place, [0.0; 2], 0.0), 0.0, "below the horizon, or no direction");
+            assert_eq!(component(number, [0.0; 2], place, 0.0), 0.0);
+        }
+        for number in [0.0, -1.0, f32::NAN, f32::INFINITY, 1023.0, 1e30] {
+            assert!(numbered(number).is_none() && path_of(number).is_none());
+            assert_eq!(component(number, [0.1; 2], [0.1; 2], 0.0), 0.0);
+        }
+        assert_eq!(component(number, [0.0; 2], [0.0; 2], 3.0), 0.0);
+        assert_eq!(check_room(1 << 42), Err(NoMaterialRoom::Memory));
+    }
+}

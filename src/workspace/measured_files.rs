@@ -1,0 +1,57 @@
+//! Files of measured materials that formulas name. How they are read is in `measured`.
+//!
+//! A file is read once, until it changes. So two formulas that name it share one material.
+
+use crate::files::FileStamp;
+use crate::formula::Formula;
+use crate::lang::diagnostic::{Diagnostic, Diagnostics};
+use crate::measured::{self, MeasuredError, Measurement, kept};
+use crate::workspace::location::near_file;
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+
+/// How many times the numbers of a file are in memory at most while it is read: in the file, and twice in the material.
+const COPIES: u64 = 3;
+
+/// The numbers of the materials that were read.
+static READ: Mutex<Option<HashMap<FileStamp, f32>>> = Mutex::new(None);
+
+/// The number of the material in a file.
+///
+/// # Errors
+/// The file cannot be read, holds no material, is damaged or too large, or there is no room for it.
+pub fn load(path: &Path) -> Result<f32, Diagnostic> {
+    let told = |error: MeasuredError| {
+        let name = path.file_name().and_then(|name| name.to_str());
+        let near = name.filter(|_| !path.exists()).and_then(|name| near_file(path, name));
+        let near = near.map(|near| format!("did you mean `{}`?", near.display()));
+        Diagnostic::error(error.to_string()).help_if(error.hint.or(near))
+    };
+    let no_room = |error: kept::NoMaterialRoom| {
+        Diagnostic::error(format!("cannot read the measured material `{}`: {error}", path.display()))
+    };
+    let (file, metadata) = measured::open(path).map_err(told)?;
+    let stamp = FileStamp::new(path, &metadata);
+    let mut read = READ.lock().unwrap_or_else(PoisonError::into_inner);
+    let read = read.get_or_insert_default();
+    if let Some(number) = read.get(&stamp) {
+        return Ok(*number);
+    }
+    kept::check_room(COPIES * metadata.len().min(measured::LARGEST_FILE)).map_err(no_room)?;
+    let material = Measurement::read_from(path, file, &metadata).and_then(|read| read.material(path)).map_err(told)?;
+    let number = kept::keep(path.to_owned(), material).map_err(no_room)?;
+    read.insert(stamp, number);
+    Ok(number)
+}
+
+/// Reads the measured materials that a formula names, with paths relative to `folder`, and reports those that cannot be
+/// read.
+pub fn read_materials(formula: &mut Formula, folder: &Path, diagnostics: &mut Diagnostics) {
+    for material in &mut formula.materials {
+        match load(&folder.join(material.path.trim())) {
+            Ok(number) => material.number = number,
+            Err(error) => diagnostics.push(error.at(material.span, "named here")),
+        }
+    }
+}
