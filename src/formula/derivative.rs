@@ -2,8 +2,8 @@
 //! "A simple automatic derivative evaluation program", 1964; Griewank and Walther, *Evaluating Derivatives*, chapter 3).
 //!
 //! A derivative is computed like any formula, by every backend. Where an operation has a kink, the derivative is that
-//! of the branch that its value comes from. Whole numbers (`floor`) and conditions do not change. Noise and textures
-//! have no formula for their slope; it is measured between two points beside the operands.
+//! of the branch that its value comes from. Whole numbers (`floor`) and conditions do not change. Noise, textures
+//! and measured materials have no formula for their slope; it is measured between two points beside the operands.
 //!
 //! A change that is 0 stays 0, whatever stands beside it: at `sqrt(max(0, x))` with x < 0 the derivative is 0 and not
 //! the product of 0 and infinity. So does an exponential or a quotient that is 0, because it went there fastest.
@@ -120,7 +120,7 @@ impl Changes<'_> {
                 self.chosen(first, dx, dy)
             }
             Primitive::Select => self.chosen(x, dy, of[2]),
-            Primitive::Perlin | Primitive::Texture => Some(self.measured(primitive, of)),
+            Primitive::Perlin | Primitive::Texture | Primitive::Measured => Some(self.measured(primitive, of)),
             Primitive::Floor
             | Primitive::Ceil
             | Primitive::Less
@@ -239,7 +239,7 @@ impl Changes<'_> {
         Some(self.quotient(change, square))
     }
 
-    /// The change of noise or a texture, from its values at two points on both sides of the operands, in the direction
+    /// The change of noise, a texture or a measured material, from its values at two points on both sides of the operands, in the direction
     /// in which they change.
     fn measured(&mut self, primitive: Primitive, of: &[Option<NodeId>]) -> NodeId {
         /// How far the points are away, as the sum over the operands. With `f32`, less would be rounded away.

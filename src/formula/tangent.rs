@@ -256,12 +256,42 @@ impl TermWriter<'_> {
                 return self.apply(Operation::Perlin, std::iter::once(point).chain(rest).collect());
             }
             Primitive::Texture => {
-                let number = &self.terms[operands[3].0 as usize];
-                let component = if let Term::Number(component) = number { *component as u8 } else { 0 };
-                let colour = Term::Apply(Operation::TextureColour, operands[..3].to_vec());
-                return self.component(colour, true, component);
+                return self.of_colour(Term::Apply(Operation::TextureColour, operands[..3].to_vec()), operands[3]);
+            }
+            Primitive::Measured => {
+                let [light, view] = [1, 3].map(|first| self.direction([operands[first], operands[first + 1]]));
+                let (normal, tangent) = (self.vector([0.0, 0.0, 1.0]), self.vector([1.0, 0.0, 0.0]));
+                let all = vec![operands[0], light, view, normal, tangent];
+                return self.of_colour(Term::Apply(Operation::MeasuredReflectance, all), operands[5]);
             }
         };
         self.apply(operation, operands)
+    }
+
+    fn number(&mut self, value: f32) -> TermId {
+        self.push(Term::Number(value))
+    }
+
+    /// A component of a colour of which a node computes only one. The last operand says which one.
+    fn of_colour(&mut self, colour: Term, component: TermId) -> TermId {
+        let number = &self.terms[component.0 as usize];
+        let component = if let Term::Number(component) = number { *component as u8 } else { 0 };
+        self.component(colour, true, component)
+    }
+
+    /// The direction of a point of the plane, seen from the pole below: (2x, 2y, 1 − r²)/(1 + r²).
+    fn direction(&mut self, [x, y]: [TermId; 2]) -> TermId {
+        let [xx, yy] = [x, y].map(|x| self.apply(Operation::MulSS, vec![x, x]));
+        let square = self.apply(Operation::AddSS, vec![xx, yy]);
+        let one = self.number(1.0);
+        let (sum, rest) = (self.apply(Operation::AddSS, vec![one, square]), self.apply(Operation::SubSS, vec![one, square]));
+        let double = [x, y].map(|x| self.apply(Operation::AddSS, vec![x, x]));
+        let vector = self.apply(Operation::MakeVector, vec![double[0], double[1], rest]);
+        self.apply(Operation::DivVS, vec![vector, sum])
+    }
+
+    fn vector(&mut self, [x, y, z]: [f32; 3]) -> TermId {
+        let components = [x, y, z].map(|component| self.number(component));
+        self.apply(Operation::MakeVector, components.to_vec())
     }
 }

@@ -187,7 +187,7 @@ fn weight_parameters(formula: &Formula) -> BTreeSet<ParameterId> {
             }
             Some(root) => found.extend(formula.terms_of(root).into_iter().filter_map(|id| match formula.term(id) {
                 Term::Parameter(parameter) => Some(*parameter),
-                Term::Number(_) | Term::Variable(_) | Term::Apply(..) | Term::ByComponents(..) => None,
+                Term::Number(_) | Term::Material(_) | Term::Variable(_) | Term::Apply(..) | Term::ByComponents(..) => None,
             })),
         }
     }

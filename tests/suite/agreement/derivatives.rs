@@ -101,8 +101,9 @@ fn check(parts: [&str; 3], numbers: &[f32], angles: [f64; 4]) -> Result<(), Test
     let parameters: Vec<[f64; 3]> = formula.parameter_ids().map(value).collect();
     let leaves = Leaves { graph: &graph, variables: &variables, parameters: &parameters };
     // Noise and textures are measured over a distance that is not small for noise of a high frequency.
-    let is_measured =
-        |index: usize| matches!(graph.node(NodeId(index as u32)), Node::Apply(Primitive::Perlin | Primitive::Texture, _));
+    let is_measured = |index: usize| {
+        matches!(graph.node(NodeId(index as u32)), Node::Apply(Primitive::Perlin | Primitive::Texture | Primitive::Measured, _))
+    };
     // Where a value on the way is infinite, the slope may be the product of 0 and infinity. Steps of large whole numbers
     // look like a slope.
     let all: Vec<NodeId> = (0..own_nodes).map(NodeId).collect();
