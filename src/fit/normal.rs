@@ -127,7 +127,7 @@ mod tests {
             equations.add_weight(*weight);
         }
         let scaled = |index: usize| weights[index].sqrt() * DVector::from_row_slice(&rows[index]).transpose();
-        let data = DMatrix::from_rows(&(0..5).map(|index| scaled(index)).collect::<Vec<_>>());
+        let data = DMatrix::from_rows(&(0..5).map(scaled).collect::<Vec<_>>());
         let (jacobian, residuals) = equations.reduced();
         let (j, r) = (data.columns(0, 2).into_owned(), data.column(2).into_owned());
         assert!(near(&(jacobian.transpose() * &jacobian), &(j.transpose() * &j)));

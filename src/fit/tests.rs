@@ -2,7 +2,7 @@
 
 use crate::engine::{Engine, Subject, Task};
 use crate::fit::directions::{LARGEST_ANGLE, pairs};
-use crate::fit::metric::METRICS;
+use crate::fit::metric::{METRICS, Metric};
 use crate::fit::picture::{PictureMisfit, TargetPicture};
 use crate::fit::samples::{FitSample, SampleMisfit};
 use crate::fit::solve::{FitOptions, Solution, solve};
@@ -31,7 +31,7 @@ fn numbers(formula: &Formula, changed: &[(&str, &[f32])]) -> ParameterNumbers {
 }
 
 /// Fits these parameters of a formula to itself at other values, from its defaults.
-fn refit(formula: &Formula, wanted: &[(&str, &[f32])], metric: usize) -> (Unknowns, Solution, Vec<f64>) {
+fn refit(formula: &Formula, wanted: &[(&str, &[f32])], metric: Metric) -> (Unknowns, Solution, Vec<f64>) {
     let truth = numbers(formula, wanted);
     let directions = pairs(4000, LARGEST_ANGLE);
     let program = ModelProgram::new(formula);
@@ -52,7 +52,7 @@ fn refit(formula: &Formula, wanted: &[(&str, &[f32])], metric: usize) -> (Unknow
     let value = |id: ParameterId| start[id.0 as usize];
     let unknowns = Unknowns::new(formula, &free, &value).unwrap();
     let place = Place::default();
-    let misfit = SampleMisfit::new(formula, start.clone(), &place, unknowns.numbers(), &samples, METRICS[metric]);
+    let misfit = SampleMisfit::new(formula, start.clone(), &place, unknowns.numbers(), &samples, metric);
     let solution = solve(&misfit, &unknowns, FitOptions::default(), &|_| (), &AtomicBool::new(false));
     let number = |number: FitNumber| f64::from(truth[number.parameter.0 as usize][usize::from(number.component)]);
     let wanted = unknowns.numbers().into_iter().map(number).collect();
@@ -74,12 +74,12 @@ fn parameters_of_built_in_formulas_are_found_again() {
     ];
     for (name, wanted) in cases {
         let formula = built_in(name);
-        for metric in 0..METRICS.len() {
+        for metric in METRICS {
             let (unknowns, solution, wanted) = refit(&formula, wanted, metric);
             for ((found, wanted), number) in solution.values.iter().zip(&wanted).zip(unknowns.numbers()) {
                 let near = (found - wanted).abs() <= 1e-3 * wanted.abs().max(1e-2);
                 let parameter = &formula.parameter(number.parameter).name;
-                assert!(near, "{name}, {}: {parameter} {found}, {wanted}: {solution:?}", METRICS[metric].name);
+                assert!(near, "{name}, {}: {parameter} {found}, {wanted}: {solution:?}", metric.name);
             }
         }
     }
@@ -138,7 +138,7 @@ fn what_data_do_not_determine_is_told() {
     let text = "body_specific; kd: scalar, constraint 0..1, default 0.5; w: scalar, constraint 0..1, default 0.5;
         formula; = kd*Cd*IL*max(0, N.L) + 0*<w>;";
     let (formula, _) = Formula::parse(&Source::new("test", text)).unwrap();
-    let (unknowns, solution, _) = refit(&formula, &[("kd", &[0.7]), ("Cd", &[0.3, 0.4, 0.5]), ("w", &[0.1])], 0);
+    let (unknowns, solution, _) = refit(&formula, &[("kd", &[0.7]), ("Cd", &[0.3, 0.4, 0.5]), ("w", &[0.1])], METRICS[0]);
     let names = |group: &[FitNumber]| -> Vec<String> {
         group.iter().map(|number| format!("{}{}", formula.parameter(number.parameter).name, number.component)).collect()
     };

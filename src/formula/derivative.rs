@@ -279,7 +279,6 @@ mod tests {
     use crate::formula::Formula;
     use crate::lang::scalars::Doubles;
     use crate::lang::source::Source;
-    use crate::lang::variables::Variable;
 
     /// The derivative of an expression by `p`, where `p` and `alpha` have these values, in double precision.
     fn slope(expression: &str, p: f64, alpha: f64) -> f64 {
@@ -292,8 +291,8 @@ mod tests {
         let slopes = derivatives(&mut graph, &roots, &[(by, 0)]);
         let leaf = |id| match graph.node(id) {
             Node::Parameter(..) => p,
-            Node::Variable(Variable::Alpha, _) => alpha,
-            other => panic!("{other:?}"),
+            Node::Variable(..) => alpha,
+            Node::Constant(_) | Node::Apply(..) => unreachable!("no leaf"),
         };
         graph.evaluate_with(&mut Doubles, &slopes[0][..1], leaf)[0]
     }

@@ -252,6 +252,7 @@ mod tests {
     use crate::evaluate::at_point::term_values;
     use crate::lang::source::Source;
     use crate::workspace::{FileKind, presets};
+    use std::f32::consts::TAU;
 
     fn direction(polar: f32, azimuth: f32) -> [f32; 3] {
         [polar.sin() * azimuth.cos(), polar.sin() * azimuth.sin(), polar.cos()]
@@ -260,8 +261,8 @@ mod tests {
     fn pairs(count: usize) -> Vec<DirectionPair> {
         let at = |index: usize, step: f32| (index as f32 * step).fract();
         let pair = |index| DirectionPair {
-            light: direction(1.5 * at(index, 0.618), 6.28 * at(index, 0.755)),
-            view: direction(1.5 * at(index, 0.57), 6.28 * at(index, 0.32)),
+            light: direction(1.5 * at(index, 0.618), TAU * at(index, 0.755)),
+            view: direction(1.5 * at(index, 0.57), TAU * at(index, 0.32)),
         };
         (1..=count).map(pair).collect()
     }
@@ -279,11 +280,8 @@ mod tests {
                 assert_eq!(found.len(), 3 * count);
                 for (pair, found) in pairs.iter().zip(found.chunks(3)).skip(count.saturating_sub(40)) {
                     let [light, view] = [pair.light, pair.view].map(|direction| Vec3::from(direction).as_dvec3());
-                    let given = |variable| match variable {
-                        Variable::ToLight => Some(light),
-                        Variable::ToViewer => Some(view),
-                        _ => None,
-                    };
+                    let known = [(Variable::ToLight, light), (Variable::ToViewer, view)];
+                    let given = |variable| known.iter().find(|(known, _)| *known == variable).map(|(_, value)| *value);
                     let variable = |variable| variable_at_point(variable, &given).unwrap().as_vec3().to_array();
                     let wanted = term_values(&formula, &variable, &|id| numbers[id.0 as usize]);
                     for (found, wanted) in found.iter().zip(wanted[formula.result.0 as usize]) {

@@ -24,14 +24,14 @@ fn direction(polar: f64, azimuth: f64) -> DVec3 {
 
 /// The values of all variables for a light and a viewer.
 fn variables(light: DVec3, view: DVec3) -> HashMap<Variable, DVec3> {
-    let given = |variable: Variable| match variable {
-        Variable::ToLight => Some(light),
-        Variable::ToViewer => Some(view),
-        Variable::SurfaceU => Some(DVec3::splat(0.31)),
-        Variable::SurfaceV => Some(DVec3::splat(0.62)),
-        Variable::Point => Some(DVec3::new(0.2, 1.3, -0.7)),
-        _ => None,
-    };
+    let known = [
+        (Variable::ToLight, light),
+        (Variable::ToViewer, view),
+        (Variable::SurfaceU, DVec3::splat(0.31)),
+        (Variable::SurfaceV, DVec3::splat(0.62)),
+        (Variable::Point, DVec3::new(0.2, 1.3, -0.7)),
+    ];
+    let given = |variable: Variable| known.iter().find(|(known, _)| *known == variable).map(|(_, value)| *value);
     let value = |variable: &Variable| Some((*variable, variable_at_point(*variable, &given)?));
     Variable::ALL.iter().filter_map(value).collect()
 }
@@ -52,7 +52,7 @@ impl Leaves<'_> {
                 let own = self.parameters[parameter.0 as usize][usize::from(component)];
                 own + if (parameter, component) == moved { by } else { 0.0 }
             }
-            other => panic!("{other:?} is no leaf"),
+            Node::Constant(_) | Node::Apply(..) => unreachable!("no leaf"),
         };
         self.graph.evaluate_with(&mut Doubles, roots, leaf)
     }
@@ -94,7 +94,7 @@ fn check(parts: [&str; 3], numbers: &[f32], angles: [f64; 4]) -> Result<(), Test
     let value = |id: ParameterId| match formula.parameter(id).ty {
         Type::Texture => [0.0; 3],
         // Around larger numbers, differences over a small distance say nothing.
-        _ => std::array::from_fn(|component| {
+        Type::Scalar | Type::Vector | Type::Truth => std::array::from_fn(|component| {
             f64::from(numbers[(3 * id.0 as usize + component) % numbers.len()].clamp(-20.0, 100.0))
         }),
     };
