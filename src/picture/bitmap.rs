@@ -17,7 +17,7 @@ impl Bitmap {
     }
 
     /// A picture of these bytes, 3 × width × height of them. Bytes that are missing are 0.
-    pub(super) fn of_bytes([width, height]: [u32; 2], mut bytes: Vec<u8>) -> Self {
+    pub(crate) fn of_bytes([width, height]: [u32; 2], mut bytes: Vec<u8>) -> Self {
         bytes.resize(3 * width as usize * height as usize, 0);
         Self { width, height, bytes }
     }

@@ -1,0 +1,190 @@
+//! Charts of lobes: how much leaves into each direction, as the distance of a surface from the middle.
+
+use crate::plot::axis::ChartAxis;
+use crate::plot::colours::mixed;
+use crate::plot::curve::Heading;
+use crate::plot::figure::{Anchor, Figure, FigureMark};
+use crate::plot::layout::ChartSheet;
+use crate::plot::number_table::NumberTable;
+use crate::plot::panels::{arranged, caption};
+use crate::plot::solid::{SolidCorner, SolidPicture, turned};
+use crate::plot::theme::ChartTheme;
+use glam::{DVec2, DVec3};
+
+/// How long the arrow of the light is, where the greatest number is 1 long.
+const ARROW: f64 = 0.9;
+/// How high the normal is.
+const NORMAL: f64 = 0.75;
+
+/// A lobe.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lobe {
+    /// Its name; empty for none.
+    pub name: String,
+    /// The number of its colour.
+    pub colour: usize,
+    /// From where light comes: polar angle and azimuth in degrees.
+    pub light: [f64; 2],
+    /// Polar angles in degrees, growing.
+    pub polar: Vec<f64>,
+    /// Azimuths in degrees, growing, all around: the last one is the first one again.
+    pub azimuths: Vec<f64>,
+    /// The numbers, azimuth by azimuth for each polar angle.
+    pub values: Vec<f64>,
+}
+
+/// Lobes side by side, in one scale.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct LobeChart {
+    /// What stands over it.
+    pub heading: Heading,
+    /// The distance from the middle.
+    pub radius: ChartAxis,
+    /// From where they are seen: azimuth and elevation in degrees.
+    pub seen_from: [f64; 2],
+    /// The lobes.
+    pub lobes: Vec<Lobe>,
+}
+
+fn direction(polar: f64, azimuth: f64) -> DVec3 {
+    let (polar, azimuth) = (polar.to_radians(), azimuth.to_radians());
+    DVec3::new(polar.sin() * azimuth.cos(), polar.sin() * azimuth.sin(), polar.cos())
+}
+
+impl Lobe {
+    /// The corners of its surface, with distances by `place`.
+    fn corners(&self, place: &dyn Fn(f64) -> f64) -> Vec<DVec3> {
+        let mut corners = Vec::with_capacity(self.values.len());
+        for (row, polar) in self.polar.iter().enumerate() {
+            for (column, azimuth) in self.azimuths.iter().enumerate() {
+                let value = self.values.get(row * self.azimuths.len() + column).copied().unwrap_or(0.0);
+                let distance = place(value);
+                corners.push(direction(*polar, *azimuth) * if distance.is_finite() { distance.clamp(0.0, 1.0) } else { 0.0 });
+            }
+        }
+        corners
+    }
+
+    /// Draws the surface with these corners.
+    fn draw(&self, picture: &mut SolidPicture, corners: &[DVec3], colour: [u8; 3]) {
+        let columns = self.azimuths.len();
+        if columns < 2 || self.polar.len() < 2 {
+            return;
+        }
+        let at = |row: usize, column: usize| corners[row * columns + column];
+        let last = columns - 1;
+        let normal = |row: usize, column: usize| {
+            // The first azimuth is also the last one.
+            let (before, after) = (if column == 0 { last - 1 } else { column - 1 }, if column == last { 1 } else { column + 1 });
+            let (above, below) = (row.saturating_sub(1), (row + 1).min(self.polar.len() - 1));
+            let cross = (at(below, column) - at(above, column)).cross(at(row, after) - at(row, before));
+            cross.try_normalize().unwrap_or_else(|| direction(self.polar[row], self.azimuths[column]))
+        };
+        let corner = |row: usize, column: usize| SolidCorner {
+            at: at(row, column),
+            normal: normal(row, column),
+            ruling: DVec2::new(self.polar[row] / 15.0, self.azimuths[column] / 15.0),
+        };
+        for row in 0..self.polar.len() - 1 {
+            for column in 0..last {
+                let [a, b] = [corner(row, column), corner(row, column + 1)];
+                let [c, d] = [corner(row + 1, column), corner(row + 1, column + 1)];
+                picture.triangle([a, c, d], colour);
+                picture.triangle([a, d, b], colour);
+            }
+        }
+    }
+}
+
+impl LobeChart {
+    /// The drawing.
+    pub fn figure(&self, size: [u32; 2], theme: ChartTheme) -> Figure {
+        let mut sheet = ChartSheet::new(size, theme, &self.heading);
+        let label = sheet.label_size();
+        let numbers = self.lobes.iter().flat_map(|lobe| lobe.values.iter().copied());
+        let greatest = numbers.clone().filter(|number| number.is_finite()).fold(0.0, f64::max);
+        let fitted = self.radius.fitted(numbers, 4.0);
+        // The longest direction is 1 long.
+        let high = if greatest > fitted.range[0] { greatest } else { fitted.range[1] };
+        let axis = ChartAxis { range: Some([fitted.range[0], high]), ..self.radius.clone() }.fitted(std::iter::empty(), 4.0);
+        let place = |number: f64| axis.place(number);
+        let has_names = self.lobes.iter().any(|lobe| !lobe.name.is_empty());
+        let margins = [0.5 * label, if has_names { 2.0 * label } else { 0.0 }, 0.5 * label, 1.6 * label];
+        let turn = turned(self.seen_from[0], self.seen_from[1]);
+        let surfaces: Vec<Vec<DVec3>> = self.lobes.iter().map(|lobe| lobe.corners(&place)).collect();
+        let widest = surfaces.iter().flatten().map(|at| at.truncate().length()).fold(0.0, f64::max);
+        let rim = (1.15 * widest).clamp(0.5, 1.12);
+        let all_around = (0..72).map(|step| direction(90.0, 5.0 * f64::from(step)) * rim);
+        let arrows = self.lobes.iter().map(|lobe| direction(lobe.light[0], lobe.light[1]) * (ARROW + 0.02));
+        let points: Vec<DVec3> =
+            surfaces.iter().flatten().copied().chain(all_around).chain(arrows).chain([DVec3::Z * NORMAL]).collect();
+        let places = arranged(&sheet.area, self.lobes.len(), 1.3, margins);
+        for ((lobe, corners), area) in self.lobes.iter().zip(&surfaces).zip(places) {
+            let pixels = [area.width, area.height].map(|side| side.ceil().max(1.0) as u32);
+            let mut picture = SolidPicture::new(pixels, turn, &points, theme.paper());
+            let rings: Vec<f64> = axis.ticks.iter().filter(|tick| !tick.label.is_empty()).map(|tick| place(tick.value)).collect();
+            picture.plane(rim, |at, pixel| plane_colour([at.x, at.y], [pixel, rim], &rings, theme));
+            lobe.draw(&mut picture, corners, theme.curve(lobe.colour));
+            draw_light(&mut picture, lobe, corners, theme);
+            let (at, size) = ([area.left, area.top], [area.width, area.height]);
+            sheet.figure.marks.push(FigureMark::Image { at, size, bitmap: picture.bitmap(), smooth: true });
+            for tick in axis.ticks.iter().filter(|tick| !tick.label.is_empty()) {
+                let radius = place(tick.value);
+                if radius > 0.12 && radius < rim {
+                    let [x, y] = picture.share(direction(90.0, self.seen_from[0] - 20.0) * radius);
+                    sheet.label(tick.label.as_str(), [area.left + x * area.width, area.top + y * area.height + 0.6 * label], Anchor::Middle);
+                }
+            }
+            caption(&mut sheet, &area, &lobe.name);
+        }
+        let text = format!("rings: {}; the arrow is the light", self.radius.full_title());
+        let at = [sheet.area.left + 0.5 * sheet.area.width, sheet.area.bottom() - 0.6 * label];
+        sheet.label(text, at, Anchor::Middle);
+        sheet.figure
+    }
+
+    /// The numbers: a row for each direction, with its angles and its numbers. The lobes have the same directions, or
+    /// each has a table of its own below the others.
+    pub fn table(&self) -> NumberTable {
+        let columns = ["lobe", "incoming angle (°)", "outgoing angle (°)", "outgoing azimuth (°)"].map(str::to_owned);
+        let columns = columns.into_iter().chain([self.radius.full_title()]).collect();
+        let mut rows = Vec::new();
+        for (number, lobe) in self.lobes.iter().enumerate() {
+            for (row, polar) in lobe.polar.iter().enumerate() {
+                for (column, azimuth) in lobe.azimuths.iter().enumerate() {
+                    let value = lobe.values.get(row * lobe.azimuths.len() + column).copied().unwrap_or(f64::NAN);
+                    rows.push(vec![number as f64 + 1.0, lobe.light[0], *polar, *azimuth, value]);
+                }
+            }
+        }
+        NumberTable { columns, rows }
+    }
+}
+
+/// The colour of a place of the plane: circles at round numbers, lines at azimuths, and a rim.
+fn plane_colour([x, y]: [f64; 2], [pixel, rim]: [f64; 2], rings: &[f64], theme: ChartTheme) -> [u8; 3] {
+    let radius = x.hypot(y);
+    let on = |distance: f64| distance < 2.0 * pixel;
+    let turned = y.atan2(x).to_degrees() / 30.0;
+    let from_ray = (turned - turned.round()).abs() * 30.0_f64.to_radians() * radius;
+    if on(rim - radius) {
+        theme.frame()
+    } else if rings.iter().any(|ring| on((radius - ring).abs())) {
+        mixed(theme.grid(), theme.frame(), 0.5)
+    } else if on(from_ray) && radius > 0.02 {
+        theme.grid()
+    } else {
+        mixed(theme.faint(), theme.paper(), 0.25)
+    }
+}
+
+/// The arrow along which the light comes, down to the surface of the lobe, and the normal.
+fn draw_light(picture: &mut SolidPicture, lobe: &Lobe, corners: &[DVec3], theme: ChartTheme) {
+    let light = direction(lobe.light[0], lobe.light[1]);
+    let near = corners.iter().filter(|at| at.normalize_or_zero().dot(light) > 0.995).map(|at| at.length());
+    let tip = near.fold(0.0, f64::max).min(ARROW - 0.2) + 0.015;
+    let colour = [235, 160, 20];
+    picture.rod([light * ARROW, light * (tip + 0.1)], [0.01, 0.01], colour);
+    picture.rod([light * (tip + 0.1), light * tip], [0.03, 0.0], colour);
+    picture.rod([DVec3::ZERO, DVec3::Z * NORMAL], [0.004, 0.004], theme.muted());
+}

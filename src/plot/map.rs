@@ -1,0 +1,188 @@
+//! Charts of numbers or colours over two axes: pictures.
+
+use crate::picture::{Bitmap, Transfer, quantise};
+use crate::plot::axis::{ChartAxis, FittedAxis};
+use crate::plot::colours::false_colour;
+use crate::plot::curve::Heading;
+use crate::plot::figure::{Anchor, Figure, FigureMark, Stroke};
+use crate::plot::layout::{ChartArea, ChartSheet};
+use crate::plot::number_table::NumberTable;
+use crate::plot::panels::{arranged, caption};
+use crate::plot::theme::ChartTheme;
+use crate::plot::typeface::width;
+
+/// What is shown at each place, row by row from the top.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MapValues {
+    /// Numbers, in false colours.
+    Numbers(Vec<f64>),
+    /// Linear colours, red, green, blue, which are shown as they are: 1 is the brightest.
+    Colours(Vec<[f32; 3]>),
+}
+
+/// One picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MapPanel {
+    /// Its name; empty for none.
+    pub name: String,
+    /// Its width and height in pixels.
+    pub size: [u32; 2],
+    /// Its pixels, width × height of them.
+    pub values: MapValues,
+}
+
+/// Pictures over two axes.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct MapChart {
+    /// What stands over it.
+    pub heading: Heading,
+    /// The axes, to the right and upwards. None for a picture of a thing.
+    pub axes: Option<[ChartAxis; 2]>,
+    /// What the numbers are. Colours have no bar.
+    pub bar: ChartAxis,
+    /// The pictures.
+    pub panels: Vec<MapPanel>,
+}
+
+impl MapPanel {
+    /// The places of the pixels along an axis: the middles of the pixels, in the order of the rows or columns.
+    fn place(index: u32, side: u32, [low, high]: [f64; 2]) -> f64 {
+        low + (f64::from(index) + 0.5) / f64::from(side.max(1)) * (high - low)
+    }
+
+    fn bitmap(&self, bar: &FittedAxis) -> Bitmap {
+        let bytes = match &self.values {
+            MapValues::Colours(colours) => quantise(colours, Transfer::Srgb),
+            MapValues::Numbers(numbers) => numbers.iter().flat_map(|number| false_colour(bar.place(*number))).collect(),
+        };
+        Bitmap::of_bytes(self.size, bytes)
+    }
+}
+
+impl MapChart {
+    /// The drawing.
+    pub fn figure(&self, size: [u32; 2], theme: ChartTheme) -> Figure {
+        let mut sheet = ChartSheet::new(size, theme, &self.heading);
+        let label = sheet.label_size();
+        let numbers = self.panels.iter().flat_map(|panel| match &panel.values {
+            MapValues::Numbers(numbers) => numbers.as_slice(),
+            MapValues::Colours(_) => &[],
+        });
+        let numbers = numbers.copied();
+        let has_bar = numbers.clone().next().is_some();
+        let bar = self.bar.fitted(numbers, (sheet.area.height / (4.5 * label)).clamp(2.0, 8.0));
+        let widest = bar.ticks.iter().map(|tick| width(&tick.label, label)).fold(0.0, f64::max);
+        let bar_width = if has_bar { widest + 6.0 * label } else { 0.0 };
+        let [left, bottom] = if self.axes.is_some() { [4.9 * label, 3.6 * label] } else { [0.3 * label; 2] };
+        let has_names = self.panels.iter().any(|panel| !panel.name.is_empty());
+        let top = if has_names { 2.0 * label } else { 0.5 * label };
+        let area = sheet.area.without([0.0, 0.0, bar_width, 0.0]);
+        let aspect = self.panels.first().map_or(1.0, |panel| f64::from(panel.size[0]) / f64::from(panel.size[1].max(1)));
+        let places = arranged(&area, self.panels.len(), aspect, [left, top, 1.1 * label, bottom]);
+        for (panel, place) in self.panels.iter().zip(&places) {
+            let bitmap = panel.bitmap(&bar);
+            // Few pixels stay squares; many blend.
+            let smooth = place.width < 3.0 * f64::from(panel.size[0]);
+            let (at, size) = ([place.left, place.top], [place.width, place.height]);
+            sheet.figure.marks.push(FigureMark::Image { at, size, bitmap, smooth });
+            if let Some([x, y]) = &self.axes {
+                draw_axes(&mut sheet, place, x, y);
+            }
+            caption(&mut sheet, place, &panel.name);
+        }
+        if has_bar {
+            let (top, bottom) = places.iter().fold((f64::INFINITY, 0.0_f64), |(top, bottom), place| {
+                (top.min(place.top), bottom.max(place.bottom()))
+            });
+            let right = places.iter().map(ChartArea::right).fold(0.0, f64::max);
+            let left = (right + 1.6 * label).min(area.right());
+            let place = ChartArea { left, top, width: 1.2 * label, height: bottom - top };
+            self.draw_bar(&mut sheet, &place, &bar, widest);
+        }
+        sheet.figure
+    }
+
+    /// The bar that says which colour is which number.
+    fn draw_bar(&self, sheet: &mut ChartSheet, place: &ChartArea, bar: &FittedAxis, widest: f64) {
+        const STEPS: u32 = 256;
+        let bytes = (0..STEPS).rev().flat_map(|step| false_colour(f64::from(step) / f64::from(STEPS - 1))).collect();
+        let bitmap = Bitmap::of_bytes([1, STEPS], bytes);
+        let (at, size) = ([place.left, place.top], [place.width, place.height]);
+        sheet.figure.marks.push(FigureMark::Image { at, size, bitmap, smooth: false });
+        let (label, unit, frame) = (sheet.label_size(), sheet.unit, sheet.theme.frame());
+        sheet.figure.frame(at, size, Stroke::solid(frame, unit));
+        for tick in bar.ticks.iter().filter(|tick| !tick.label.is_empty()) {
+            let y = place.bottom() - bar.place(tick.value) * place.height;
+            sheet.figure.line(vec![[place.right(), y], [place.right() + 0.35 * label, y]], Stroke::solid(frame, unit));
+            sheet.label(tick.label.as_str(), [place.right() + 0.6 * label, y], Anchor::Start);
+        }
+        let (size, colour) = (1.06 * label, sheet.theme.text());
+        let at = [place.right() + widest + 2.1 * label, place.top + 0.5 * place.height];
+        let text = self.bar.full_title();
+        sheet.figure.marks.push(FigureMark::Text { at, anchor: Anchor::Middle, upwards: true, size, colour, text });
+    }
+
+    /// The numbers: a row for each pixel, with its place and its number or colour.
+    pub fn table(&self) -> NumberTable {
+        let [x, y] = self.axes.clone().unwrap_or_else(|| {
+            ["x", "y"].map(|title| ChartAxis { range: Some([-1.0, 1.0]), ..ChartAxis::numbers(title, "", false) })
+        });
+        let mut columns = vec![x.column(), y.column()];
+        for panel in &self.panels {
+            let name = |what: &str| if panel.name.is_empty() { what.to_owned() } else { format!("{} {what}", panel.name) };
+            match panel.values {
+                MapValues::Numbers(_) => columns.push(name(&self.bar.full_title())),
+                MapValues::Colours(_) => columns.extend(["red", "green", "blue"].map(name)),
+            }
+        }
+        let [columns_of_pixels, rows_of_pixels] = self.panels.first().map_or([0; 2], |panel| panel.size);
+        let mut rows = Vec::new();
+        for row in 0..rows_of_pixels {
+            for column in 0..columns_of_pixels {
+                let range = |axis: &ChartAxis| axis.range.unwrap_or([0.0, 1.0]);
+                let upwards = rows_of_pixels - 1 - row;
+                let mut numbers = vec![
+                    MapPanel::place(column, columns_of_pixels, range(&x)),
+                    MapPanel::place(upwards, rows_of_pixels, range(&y)),
+                ];
+                let index = row as usize * columns_of_pixels as usize + column as usize;
+                for panel in &self.panels {
+                    match &panel.values {
+                        MapValues::Numbers(values) => numbers.push(values.get(index).copied().unwrap_or(f64::NAN)),
+                        MapValues::Colours(values) => {
+                            let colour = values.get(index).copied().unwrap_or([f32::NAN; 3]);
+                            numbers.extend(colour.map(f64::from));
+                        }
+                    }
+                }
+                rows.push(numbers);
+            }
+        }
+        NumberTable { columns, rows }
+    }
+}
+
+/// The axes around a picture.
+fn draw_axes(sheet: &mut ChartSheet, place: &ChartArea, x: &ChartAxis, y: &ChartAxis) {
+    let (label, unit, frame) = (sheet.label_size(), sheet.unit, sheet.theme.frame());
+    sheet.figure.frame([place.left, place.top], [place.width, place.height], Stroke::solid(frame, unit));
+    let most = |side: f64| (side / (4.2 * label)).clamp(2.0, 9.0);
+    let across = x.fitted(std::iter::empty(), most(place.width));
+    for tick in &across.ticks {
+        let at = place.left + across.place(tick.value) * place.width;
+        sheet.figure.line(vec![[at, place.bottom()], [at, place.bottom() + 0.35 * label]], Stroke::solid(frame, unit));
+        sheet.label(tick.label.as_str(), [at, place.bottom() + 1.1 * label], Anchor::Middle);
+    }
+    let upwards = y.fitted(std::iter::empty(), most(place.height));
+    for tick in &upwards.ticks {
+        let at = place.bottom() - upwards.place(tick.value) * place.height;
+        sheet.figure.line(vec![[place.left - 0.35 * label, at], [place.left, at]], Stroke::solid(frame, unit));
+        sheet.label(tick.label.as_str(), [place.left - 0.6 * label, at], Anchor::End);
+    }
+    let (size, colour) = (1.06 * label, sheet.theme.text());
+    let below = [place.left + 0.5 * place.width, place.bottom() + 2.9 * label];
+    sheet.figure.text(x.full_title(), below, Anchor::Middle, (size, colour));
+    let at = [place.left - 3.6 * label, place.top + 0.5 * place.height];
+    let text = y.full_title();
+    sheet.figure.marks.push(FigureMark::Text { at, anchor: Anchor::Middle, upwards: true, size, colour, text });
+}

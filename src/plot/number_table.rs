@@ -1,0 +1,51 @@
+//! The numbers of a chart as rows of text.
+
+use std::fmt::Write;
+
+/// Columns of numbers and texts.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct NumberTable {
+    /// The names of the columns.
+    pub columns: Vec<String>,
+    /// The rows, each with one number for each column.
+    pub rows: Vec<Vec<f64>>,
+}
+
+impl NumberTable {
+    /// The table as comma-separated values (RFC 4180, with line feeds): a row of names, then the numbers, with as many
+    /// digits as tell them apart. NaN is `nan`.
+    pub fn csv(&self) -> String {
+        let mut text = String::new();
+        let names: Vec<String> = self.columns.iter().map(|name| quoted(name)).collect();
+        text.push_str(&names.join(","));
+        text.push('\n');
+        for row in &self.rows {
+            for (index, number) in row.iter().enumerate() {
+                let comma = if index == 0 { "" } else { "," };
+                // Writing to a string does not fail.
+                let _ = if number.is_nan() { write!(text, "{comma}nan") } else { write!(text, "{comma}{number}") };
+            }
+            text.push('\n');
+        }
+        text
+    }
+}
+
+fn quoted(name: &str) -> String {
+    let name: String = name.chars().filter(|character| !character.is_control()).collect();
+    if name.contains([',', '"']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_with_commas_are_quoted() {
+        let table = NumberTable {
+            columns: vec!["angle (°)".into(), "a, \"b\"\n".into()],
+            rows: vec![vec![-90.0, 0.1 + 0.2], vec![1e-12, f64::NAN]],
+        };
+        assert_eq!(table.csv(), "angle (°),\"a, \"\"b\"\"\"\n-90,0.30000000000000004\n0.000000000001,nan\n");
+    }
+}
