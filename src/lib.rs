@@ -70,6 +70,9 @@ pub mod backends;
 
 pub mod engine;
 
+#[cfg(feature = "plot")]
+pub mod plot;
+
 pub mod instrument;
 
 pub mod sensitivity;

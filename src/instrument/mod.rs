@@ -1,10 +1,18 @@
 //! Instruments: what a model of reflection is, as numbers. They look at the formula itself, without rays: at its value
 //! for pairs of directions.
 //!
-//! [`model`] evaluates a formula, and its derivatives, for many pairs of directions at once. How the numbers are drawn
-//! is not known here, and neither are files.
+//! [`model`] evaluates a formula, and its derivatives, for many pairs of directions at once. [`hemisphere`] integrates,
+//! and [`measurement`] says what there is to say about a model. [`view`] makes charts of it. Files are not known here.
 
+pub mod albedo;
+pub mod direction;
+pub mod expressions;
+pub mod hemisphere;
+pub mod measurement;
 pub mod model;
+pub mod reciprocity;
+#[cfg(feature = "plot")]
+pub mod view;
 
 /// Directions of light and viewer in the frame of the surface: normal +z, tangent +x, bitangent +y. Both have unit
 /// length and point away from the surface.
@@ -22,3 +30,6 @@ pub trait Reflectance: Send + Sync {
     /// normal and light. This is the value of a formula for white light of intensity 1 (IL = ki = 1).
     fn values(&self, pairs: &[DirectionPair]) -> Vec<[f32; 3]>;
 }
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -120,9 +120,8 @@ pub(super) fn columns_of(axis: &ChartAxis, curves: &[Curve]) -> NumberTable {
         let found = curve.points.binary_search_by(|point| point[0].total_cmp(&place));
         found.map_or(f64::NAN, |index| curve.points[index][1])
     };
-    let rows = places.iter().map(|place| {
-        std::iter::once(*place).chain(curves.iter().map(|curve| value(curve, *place))).collect()
-    });
+    let rows =
+        places.iter().map(|place| std::iter::once(*place).chain(curves.iter().map(|curve| value(curve, *place))).collect());
     NumberTable { columns, rows: rows.collect() }
 }
 

@@ -41,7 +41,8 @@ mod tests {
     #[test]
     fn false_colours_become_brighter() {
         // Relative luminance, from the components as they are stored.
-        let luminance = |[red, green, blue]: [u8; 3]| 0.2126 * f64::from(red) + 0.7152 * f64::from(green) + 0.0722 * f64::from(blue);
+        let luminance =
+            |[red, green, blue]: [u8; 3]| 0.2126 * f64::from(red) + 0.7152 * f64::from(green) + 0.0722 * f64::from(blue);
         let steps: Vec<f64> = (0..=64).map(|step| luminance(false_colour(f64::from(step) / 64.0))).collect();
         assert!(steps.windows(2).all(|pair| pair[1] > pair[0]), "{steps:?}");
         assert_eq!((false_colour(-3.0), false_colour(7.0)), ([68, 1, 84], [253, 231, 37]));

@@ -93,6 +93,11 @@ pub enum FigureMark {
 /// Behind this character, which no font has, one character of a text is small and low.
 pub(super) const SUBSCRIPT: char = '\u{e001}';
 
+/// A letter with a small low one behind it, as texts of charts have it.
+pub fn subscript(letter: &str, low: char) -> String {
+    format!("{letter}{SUBSCRIPT}{low}")
+}
+
 /// A drawing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {

@@ -51,7 +51,8 @@ impl ChartSheet {
     pub(super) fn new(size: [u32; 2], theme: ChartTheme, heading: &Heading) -> Self {
         let [width, height] = size.map(f64::from);
         let unit = (width / USUAL_SIZE[0]).min(height / USUAL_SIZE[1]).clamp(0.5, 8.0);
-        let title = if heading.subtitle.is_empty() { heading.title.clone() } else { format!("{}: {}", heading.title, heading.subtitle) };
+        let title =
+            if heading.subtitle.is_empty() { heading.title.clone() } else { format!("{}: {}", heading.title, heading.subtitle) };
         let figure = Figure::new(size, theme.paper(), &title);
         let margin = 18.0 * unit;
         let area = ChartArea { left: 0.0, top: 0.0, width, height }.without([margin, 14.0 * unit, margin, 12.0 * unit]);

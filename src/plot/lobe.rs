@@ -132,7 +132,11 @@ impl LobeChart {
                 let radius = place(tick.value);
                 if radius > 0.12 && radius < rim {
                     let [x, y] = picture.share(direction(90.0, self.seen_from[0] - 20.0) * radius);
-                    sheet.label(tick.label.as_str(), [area.left + x * area.width, area.top + y * area.height + 0.6 * label], Anchor::Middle);
+                    sheet.label(
+                        tick.label.as_str(),
+                        [area.left + x * area.width, area.top + y * area.height + 0.6 * label],
+                        Anchor::Middle,
+                    );
                 }
             }
             caption(&mut sheet, &area, &lobe.name);

@@ -91,9 +91,9 @@ impl MapChart {
             caption(&mut sheet, place, &panel.name);
         }
         if has_bar {
-            let (top, bottom) = places.iter().fold((f64::INFINITY, 0.0_f64), |(top, bottom), place| {
-                (top.min(place.top), bottom.max(place.bottom()))
-            });
+            let (top, bottom) = places
+                .iter()
+                .fold((f64::INFINITY, 0.0_f64), |(top, bottom), place| (top.min(place.top), bottom.max(place.bottom())));
             let right = places.iter().map(ChartArea::right).fold(0.0, f64::max);
             let left = (right + 1.6 * label).min(area.right());
             let place = ChartArea { left, top, width: 1.2 * label, height: bottom - top };

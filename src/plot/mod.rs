@@ -29,7 +29,7 @@ pub use cartesian::{CartesianChart, ReferenceLine};
 pub use chart::Chart;
 pub use colours::false_colour;
 pub use curve::{Curve, Dashes, Heading};
-pub use figure::{Anchor, Figure, FigureMark, Ink, Stroke};
+pub use figure::{Anchor, Figure, FigureMark, Ink, Stroke, subscript};
 pub use lobe::{Lobe, LobeChart};
 pub use map::{MapChart, MapPanel, MapValues};
 pub use number_table::NumberTable;

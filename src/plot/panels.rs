@@ -1,7 +1,7 @@
 //! Several pictures of one form on a sheet, each with its name.
 
-use crate::plot::layout::{ChartArea, ChartSheet};
 use crate::plot::figure::Anchor;
+use crate::plot::layout::{ChartArea, ChartSheet};
 use crate::plot::typeface::shortened;
 
 /// Places for `count` pictures whose width is `aspect` times their height, as large as possible, in reading order. Each

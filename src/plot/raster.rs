@@ -4,7 +4,8 @@ use crate::picture::Bitmap;
 use crate::plot::figure::{Anchor, Figure, FigureMark, Ink, Stroke};
 use crate::plot::typeface::{OutlinePiece, lay};
 use tiny_skia::{
-    Color, FillRule, FilterQuality, IntSize, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, PixmapPaint, StrokeDash, Transform,
+    Color, FillRule, FilterQuality, IntSize, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, PixmapPaint, StrokeDash,
+    Transform,
 };
 
 /// The built-in font is light. A line around its letters, in parts of the size of the text, makes them regular.
@@ -138,7 +139,10 @@ mod tests {
         let at = |x: usize, y: usize| &picture.bytes()[3 * (8 * y + x)..][..3];
         assert_eq!(picture.size(), [8, 4]);
         assert_eq!((at(0, 0), at(1, 3), at(2, 0)), (&[10, 20, 30][..], &[10, 20, 30][..], &[255; 3][..]));
-        assert_eq!((at(4, 2), at(5, 3), at(4, 1), at(6, 2)), (&[200, 100, 0][..], &[200, 100, 0][..], &[255; 3][..], &[255; 3][..]));
+        assert_eq!(
+            (at(4, 2), at(5, 3), at(4, 1), at(6, 2)),
+            (&[200, 100, 0][..], &[200, 100, 0][..], &[255; 3][..], &[255; 3][..])
+        );
     }
 
     #[test]

@@ -208,7 +208,8 @@ mod tests {
         let turn = turned(-90.0, 90.0);
         assert!((turn * DVec3::X).abs_diff_eq(DVec3::X, 1e-12) && (turn * DVec3::Z).abs_diff_eq(DVec3::Z, 1e-12));
         let mut picture = SolidPicture::new([10, 10], turn, &[DVec3::splat(1.0 / 1.04), DVec3::splat(-1.0 / 1.04)], [255; 3]);
-        let corner = |x: f64, y: f64, z: f64| SolidCorner { at: DVec3::new(x, y, z), normal: DVec3::Z, ruling: DVec2::splat(0.5) };
+        let corner =
+            |x: f64, y: f64, z: f64| SolidCorner { at: DVec3::new(x, y, z), normal: DVec3::Z, ruling: DVec2::splat(0.5) };
         picture.triangle([corner(-1.0, -1.0, 0.5), corner(1.0, -1.0, 0.5), corner(-1.0, 1.0, 0.5)], [200, 0, 0]);
         picture.plane(10.0, |_, _| [0, 0, 200]);
         let bitmap = picture.bitmap();

@@ -36,18 +36,15 @@ impl PlacedLetter {
     /// Its outline.
     pub(super) fn outline(&self) -> Vec<OutlinePiece> {
         let Some(outline) = self.font.outline(self.glyph) else { return Vec::new() };
-        let at = |point: &Point| {
-            [self.place[0] + f64::from(point.x) * self.scale, self.place[1] - f64::from(point.y) * self.scale]
-        };
+        let at =
+            |point: &Point| [self.place[0] + f64::from(point.x) * self.scale, self.place[1] - f64::from(point.y) * self.scale];
         let mut pieces = Vec::new();
         let mut pen: Option<Point> = None;
         for curve in &outline.curves {
             let (from, to, piece) = match curve {
                 OutlineCurve::Line(from, to) => (from, to, OutlinePiece::LineTo(at(to))),
                 OutlineCurve::Quad(from, control, to) => (from, to, OutlinePiece::QuadTo(at(control), at(to))),
-                OutlineCurve::Cubic(from, first, second, to) => {
-                    (from, to, OutlinePiece::CubicTo(at(first), at(second), at(to)))
-                }
+                OutlineCurve::Cubic(from, first, second, to) => (from, to, OutlinePiece::CubicTo(at(first), at(second), at(to))),
             };
             if pen != Some(*from) {
                 pieces.push(OutlinePiece::MoveTo(at(from)));

@@ -13,7 +13,7 @@ use tokens::{Token, tokens, without_tests};
 
 /// Each room with the rooms that it may import. Data flows one way: text → AST → formula → plans → backends; scene →
 /// world → hits → evaluation → picture. The workspace and the window use all of this, and the program uses them.
-const ROOMS: [(&str, &[&str]); 29] = [
+const ROOMS: [(&str, &[&str]); 30] = [
     ("files", &[]),
     ("simd", &[]),
     ("texture", &[]),
@@ -39,10 +39,12 @@ const ROOMS: [(&str, &[&str]); 29] = [
         "backends",
         &["texture", "lang", "formula", "scene", "world", "trace", "bytecode", "plan", "jit", "picture", "evaluate", "export"],
     ),
-    ("instrument", &["lang", "formula", "plan", "jit", "evaluate"]),
+    // Instruments make charts of what they find.
+    ("plot", &["picture"]),
+    ("instrument", &["lang", "formula", "plan", "jit", "evaluate", "plot"]),
     ("engine", &["lang", "formula", "scene", "world", "trace", "picture", "evaluate", "backends"]),
-    ("fit", &["lang", "formula", "picture", "instrument", "sensitivity"]),
     ("sensitivity", &["lang", "formula", "world", "trace", "picture", "evaluate", "engine"]),
+    ("fit", &["lang", "formula", "picture", "instrument", "sensitivity"]),
     (
         "workspace",
         &[

@@ -1,0 +1,263 @@
+//! Integrals of a model over the hemisphere, by adaptive cubature.
+//!
+//! The hemisphere is cut into cells of polar angle and azimuth. Each cell has a Gauss rule of five by five points, and
+//! the difference to rules of three points on the same places says how wrong it may be, and along which side. In each
+//! round the cells with the largest errors are halved along that side, and the points of all new cells are evaluated
+//! together. A lobe may be so narrow that no point of the first cells sees it. So cells at the places where lobes are
+//! known to be (the mirror direction and the direction of the light itself, the normal, the horizon) are halved first,
+//! whatever they say.
+
+use crate::instrument::direction::{STEEPEST, angles, direction, pair};
+use crate::instrument::{DirectionPair, Reflectance};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// Over which direction is integrated, while the other one is fixed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Integration {
+    /// The share of a beam of light that is reflected: ∫ f cos θ over the directions of the viewer.
+    OverViews,
+    /// What a viewer sees of a surface if the light is 1 from everywhere, as in a white furnace: ∫ f cos θ over the
+    /// directions of the light. It is the same if the model is reciprocal.
+    OverLights,
+}
+
+/// The most evaluations of one integral.
+const MOST_EVALUATIONS: usize = 400_000;
+/// Cells at the mirror direction are halved until they are this small, in radians: small enough for a point to see a
+/// lobe of GGX with a roughness of 0.001, or a cosine to the power of 100,000.
+const MIRROR_SIZE: f64 = 4e-4;
+/// The same at the other places.
+const PLACE_SIZE: f64 = 4e-3;
+/// And along the plane of incidence.
+const PLANE_SIZE: f64 = 0.06;
+/// Smaller cells are not halved, because directions have 24 bits.
+const LEAST_SIZE: f64 = 2e-6;
+
+/// The places and weights of the Gauss rule of five points on −1..1, and the weights of the rule of degree 3 on the
+/// first, the third and the fifth of these places.
+const PLACES: [f64; 5] = [-0.906_179_845_938_664, -0.538_469_310_105_683, 0.0, 0.538_469_310_105_683, 0.906_179_845_938_664];
+const WEIGHTS: [f64; 5] =
+    [0.236_926_885_056_189, 0.478_628_670_499_366, 0.568_888_888_888_889, 0.478_628_670_499_366, 0.236_926_885_056_189];
+const COARSE_END: f64 = 1.0 / (3.0 * PLACES[4] * PLACES[4]);
+const COARSE: [f64; 5] = [COARSE_END, 0.0, 2.0 - 2.0 * COARSE_END, 0.0, COARSE_END];
+
+/// An integral over the hemisphere.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HemisphereIntegral {
+    /// Red, green and blue.
+    pub value: [f64; 3],
+    /// How wrong the components may be; the estimate is on the safe side.
+    pub error: f64,
+    /// Whether the error is as small as asked for.
+    pub is_accurate: bool,
+    /// How many values of the model it took.
+    pub evaluations: usize,
+    /// A pair of directions where the model has no finite value. Such values count as 0.
+    pub not_finite: Option<DirectionPair>,
+}
+
+/// A part of the hemisphere.
+#[derive(Clone, Copy)]
+struct SkyCell {
+    /// Polar angles in radians.
+    polar: [f64; 2],
+    /// Azimuths in radians.
+    azimuth: [f64; 2],
+    sum: [f64; 3],
+    error: f64,
+    /// Whether it is halved between its polar angles, not between its azimuths.
+    halves_polar: bool,
+}
+
+impl SkyCell {
+    fn new(polar: [f64; 2], azimuth: [f64; 2]) -> Self {
+        Self { polar, azimuth, sum: [0.0; 3], error: 0.0, halves_polar: true }
+    }
+
+    /// How long its sides are on the unit sphere.
+    fn sides(&self) -> [f64; 2] {
+        let farthest = self.polar[1].sin();
+        [self.polar[1] - self.polar[0], farthest * (self.azimuth[1] - self.azimuth[0])]
+    }
+
+    fn size(&self) -> f64 {
+        let [one, other] = self.sides();
+        one.max(other)
+    }
+
+    /// Whether a place is in it or at its edge.
+    fn touches(&self, [polar, azimuth]: [f64; 2]) -> bool {
+        const NEAR: f64 = 1e-9;
+        let within = |[low, high]: [f64; 2], at: f64| at >= low - NEAR && at <= high + NEAR;
+        let turned = (0..3).any(|turn| within(self.azimuth, azimuth + TAU * f64::from(turn - 1)));
+        within(self.polar, polar) && (turned || polar < NEAR)
+    }
+
+    fn halves(&self, halves_polar: bool) -> [SkyCell; 2] {
+        let middle = |[low, high]: [f64; 2]| 0.5 * (low + high);
+        if halves_polar {
+            let at = middle(self.polar);
+            [[self.polar[0], at], [at, self.polar[1]]].map(|polar| SkyCell::new(polar, self.azimuth))
+        } else {
+            let at = middle(self.azimuth);
+            [[self.azimuth[0], at], [at, self.azimuth[1]]].map(|azimuth| SkyCell::new(self.polar, azimuth))
+        }
+    }
+
+    /// Polar angle and azimuth of its points.
+    fn points(&self) -> impl Iterator<Item = [f64; 2]> {
+        let at = |[low, high]: [f64; 2], place: f64| 0.5 * (low + high) + 0.5 * (high - low) * place;
+        let (polar, azimuth) = (self.polar, self.azimuth);
+        PLACES.into_iter().flat_map(move |row| PLACES.into_iter().map(move |column| [at(polar, row), at(azimuth, column)]))
+    }
+
+    /// Takes the sums of the integrand at its points.
+    fn settle(&mut self, integrand: &[[f64; 3]]) {
+        let area = 0.25 * (self.polar[1] - self.polar[0]) * (self.azimuth[1] - self.azimuth[0]);
+        let sum = |rows: &[f64; 5], columns: &[f64; 5], component: usize| {
+            let weight = |index: usize| rows[index / 5] * columns[index % 5];
+            area * integrand.iter().enumerate().map(|(index, value)| weight(index) * value[component]).sum::<f64>()
+        };
+        let mut largest = [0.0_f64; 2];
+        for component in 0..3 {
+            let fine = sum(&WEIGHTS, &WEIGHTS, component);
+            self.sum[component] = fine;
+            let coarse = [sum(&COARSE, &WEIGHTS, component), sum(&WEIGHTS, &COARSE, component)];
+            for (largest, coarse) in largest.iter_mut().zip(coarse) {
+                *largest = largest.max((coarse - fine).abs());
+            }
+        }
+        let scale = self.sum.iter().fold(0.0_f64, |scale, sum| scale.max(sum.abs())).max(f64::MIN_POSITIVE);
+        // The fine rule is of degree 9, so its own error is much smaller than the difference, once that is small.
+        let difference = largest[0] + largest[1];
+        self.error = difference.min(scale * (10.0 * difference / scale).powf(1.5));
+        let [one, other] = self.sides();
+        // Cells do not become needles.
+        self.halves_polar = if one > 16.0 * other {
+            true
+        } else if other > 16.0 * one {
+            false
+        } else {
+            largest[0] >= largest[1]
+        };
+    }
+}
+
+/// Integrates a model over the hemisphere. The fixed direction has this polar angle and this azimuth, in degrees.
+/// `accuracy` is how wrong the integral may be, and relative to it, if it is greater than 1.
+pub fn integrate(model: &dyn Reflectance, over: Integration, [polar, azimuth]: [f64; 2], accuracy: f64) -> HemisphereIntegral {
+    let fixed = [polar.clamp(0.0, STEEPEST), azimuth];
+    let mut waiting = first_cells(fixed.map(f64::to_radians));
+    let mut done: Vec<SkyCell> = Vec::new();
+    let mut result = HemisphereIntegral { value: [0.0; 3], error: 0.0, is_accurate: false, evaluations: 0, not_finite: None };
+    loop {
+        evaluate(model, over, fixed, &mut waiting, &mut result);
+        done.append(&mut waiting);
+        // Cells are always summed in the same order, from small to large errors.
+        done.sort_by(|one, other| one.error.total_cmp(&other.error));
+        result.value = std::array::from_fn(|component| done.iter().map(|cell| cell.sum[component]).sum());
+        result.error = done.iter().map(|cell| cell.error).sum();
+        let goal = accuracy * result.value.iter().fold(1.0_f64, |scale, value| scale.max(value.abs()));
+        result.is_accurate = result.error <= goal;
+        if result.is_accurate || result.evaluations >= MOST_EVALUATIONS {
+            return result;
+        }
+        // The cells with the largest errors, until the others together are accurate enough.
+        let mut rest = result.error;
+        while let Some(cell) = done.last().filter(|cell| rest > 0.5 * goal && cell.size() > LEAST_SIZE) {
+            rest -= cell.error;
+            waiting.extend(cell.halves(cell.halves_polar));
+            done.pop();
+        }
+        if waiting.is_empty() {
+            return result;
+        }
+    }
+}
+
+/// The cells of the first round. The plane of incidence and the polar angle of the fixed direction are edges.
+fn first_cells([polar, azimuth]: [f64; 2]) -> Vec<SkyCell> {
+    const ROWS: u32 = 6;
+    const COLUMNS: u32 = 12;
+    let mut edges: Vec<f64> = (0..=ROWS).map(|row| FRAC_PI_2 * f64::from(row) / f64::from(ROWS)).collect();
+    if edges.iter().all(|edge| (edge - polar).abs() > 0.02) {
+        edges.push(polar);
+        edges.sort_by(f64::total_cmp);
+    }
+    let column = |index: u32| azimuth + TAU * f64::from(index) / f64::from(COLUMNS);
+    let cells = edges.windows(2).flat_map(|rows| {
+        let rows = [rows[0], rows[1]];
+        (0..COLUMNS).map(move |index| SkyCell::new(rows, [column(index), column(index + 1)]))
+    });
+    let mut open: Vec<SkyCell> = cells.collect();
+    let places = [
+        ([polar, azimuth + PI], MIRROR_SIZE),
+        ([polar, azimuth], PLACE_SIZE),
+        ([0.0, azimuth], PLACE_SIZE),
+        ([FRAC_PI_2, azimuth + PI], PLACE_SIZE),
+        ([FRAC_PI_2, azimuth], PLACE_SIZE),
+    ];
+    let mut cells = Vec::new();
+    while let Some(cell) = open.pop() {
+        let size = cell.size();
+        let at_place = places.iter().any(|(place, least)| size > *least && cell.touches(*place));
+        let at_plane = || {
+            let middle = 0.5 * (cell.polar[0] + cell.polar[1]);
+            size > PLANE_SIZE && [azimuth, azimuth + PI].iter().any(|plane| cell.touches([middle, *plane]))
+        };
+        if at_place || at_plane() {
+            let [one, other] = cell.sides();
+            open.extend(cell.halves(one >= other));
+        } else {
+            cells.push(cell);
+        }
+    }
+    cells
+}
+
+/// Evaluates the model at the points of cells, all together.
+fn evaluate(
+    model: &dyn Reflectance,
+    over: Integration,
+    [polar, azimuth]: [f64; 2],
+    cells: &mut [SkyCell],
+    result: &mut HemisphereIntegral,
+) {
+    let fixed = direction(polar, azimuth);
+    let pairs: Vec<DirectionPair> = cells
+        .iter()
+        .flat_map(SkyCell::points)
+        .map(|point| {
+            let [polar, azimuth] = point.map(f64::to_degrees);
+            let moving = direction(polar, azimuth);
+            match over {
+                Integration::OverViews => pair(fixed, moving),
+                Integration::OverLights => pair(moving, fixed),
+            }
+        })
+        .collect();
+    let values = model.values(&pairs);
+    result.evaluations += pairs.len();
+    let mut integrand = [[0.0; 3]; PLACES.len() * PLACES.len()];
+    let points_of_cells = pairs.chunks(integrand.len()).zip(values.chunks(integrand.len()));
+    for (cell, (pairs, values)) in cells.iter_mut().zip(points_of_cells) {
+        for (((point, pair), value), target) in cell.points().zip(pairs).zip(values).zip(&mut integrand) {
+            if !value.iter().all(|component| component.is_finite()) {
+                result.not_finite.get_or_insert(*pair);
+            }
+            // The value is π · f · cos θ of the light, and the area of the sphere shrinks towards the normal.
+            let weight = point[0].sin() / PI
+                * match over {
+                    Integration::OverViews => point[0].cos() / f64::from(pair.light[2]),
+                    Integration::OverLights => 1.0,
+                };
+            *target = value.map(|component| if component.is_finite() { f64::from(component) * weight } else { 0.0 });
+        }
+        cell.settle(&integrand);
+    }
+}
+
+/// The polar angle and the azimuth of both directions of a pair, in degrees: of the light, then of the viewer.
+pub fn angles_of(pair: &DirectionPair) -> [[f64; 2]; 2] {
+    [angles(pair.light), angles(pair.view)]
+}

@@ -1,0 +1,93 @@
+//! What there is to say about a model: how much it reflects, whether it is reciprocal, and where its values are odd.
+
+use crate::instrument::albedo::{EQUAL, GreatestAlbedo, albedos, depends_on_azimuth, greatest};
+use crate::instrument::expressions::spread_pairs;
+use crate::instrument::hemisphere::Integration;
+use crate::instrument::reciprocity::{ReciprocityError, worst};
+use crate::instrument::{DirectionPair, Reflectance};
+
+/// The incoming angles for which shares are told, in degrees.
+pub const TOLD_ANGLES: [f64; 11] = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 85.0, 89.0];
+
+/// The shares of the light for one polar angle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AlbedoRow {
+    /// The polar angle of the fixed direction, in degrees.
+    pub polar: f64,
+    /// The share of a beam from there that is reflected: red, green, blue.
+    pub beam: [f64; 3],
+    /// What a viewer there sees in a white furnace.
+    pub furnace: [f64; 3],
+    /// How wrong these may be.
+    pub error: f64,
+}
+
+/// What was measured of a model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measurement {
+    /// The shares by polar angle, at azimuth 0.
+    pub rows: Vec<AlbedoRow>,
+    /// The greatest share of a beam that is reflected.
+    pub beam: GreatestAlbedo,
+    /// The most that is seen in a white furnace.
+    pub furnace: GreatestAlbedo,
+    /// Whether values change when both directions turn about the normal.
+    pub depends_on_azimuth: bool,
+    /// Where the model is least reciprocal; none if it has no finite values.
+    pub reciprocity: Option<ReciprocityError>,
+    /// The smallest value, π · f · cos θ, of a component, and where it is; none if there is no finite value.
+    pub least: Option<(f64, DirectionPair)>,
+    /// A pair of directions where a value is not finite.
+    pub not_finite: Option<DirectionPair>,
+}
+
+/// Whether a model conserves energy.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum EnergyVerdict {
+    /// No more light leaves than comes.
+    Conserves,
+    /// More light leaves than comes.
+    DoesNot(GreatestAlbedo),
+}
+
+impl Measurement {
+    /// Measures a model.
+    pub fn of(model: &dyn Reflectance) -> Self {
+        let depends_on_azimuth = depends_on_azimuth(model);
+        let angles = TOLD_ANGLES.map(|polar| [polar, 0.0]);
+        let beams = albedos(model, Integration::OverViews, &angles);
+        let furnaces = albedos(model, Integration::OverLights, &angles);
+        let reciprocity = worst(model);
+        let beam = greatest(model, Integration::OverViews, depends_on_azimuth);
+        // Both are the same integral if the model is reciprocal.
+        let furnace = if reciprocity.is_some_and(|worst| worst.error < EQUAL) {
+            beam
+        } else {
+            greatest(model, Integration::OverLights, depends_on_azimuth)
+        };
+        let pairs = spread_pairs();
+        let values = model.values(&pairs);
+        let finite = pairs.iter().zip(&values).flat_map(|(pair, value)| value.map(|component| (f64::from(component), *pair)));
+        let least = finite.filter(|(value, _)| value.is_finite()).min_by(|one, other| one.0.total_cmp(&other.0));
+        let is_odd = |value: &[f32; 3]| !value.iter().all(|component| component.is_finite());
+        let odd = pairs.iter().zip(&values).find(|(_, value)| is_odd(value)).map(|(pair, _)| *pair);
+        let not_finite = odd.or_else(|| beams.iter().chain(&furnaces).find_map(|integral| integral.not_finite));
+        let rows = TOLD_ANGLES.iter().zip(beams.iter().zip(&furnaces)).map(|(polar, (beam, furnace))| AlbedoRow {
+            polar: *polar,
+            beam: beam.value,
+            furnace: furnace.value,
+            error: beam.error.max(furnace.error),
+        });
+        Self { rows: rows.collect(), beam, furnace, depends_on_azimuth, reciprocity, least, not_finite }
+    }
+
+    /// Whether the model is reciprocal, as far as rounding lets it be told.
+    pub fn is_reciprocal(&self) -> bool {
+        self.reciprocity.is_some_and(|worst| worst.error < EQUAL)
+    }
+
+    /// Whether the model conserves energy: whether it reflects at most all of any beam.
+    pub fn verdict(&self) -> EnergyVerdict {
+        if self.beam.above_one_from.is_some() { EnergyVerdict::DoesNot(self.beam) } else { EnergyVerdict::Conserves }
+    }
+}

@@ -1,0 +1,66 @@
+//! Whether a model is reciprocal: whether light takes the same way back.
+
+use crate::instrument::direction::{brdf, direction, pair};
+use crate::instrument::{DirectionPair, Reflectance};
+
+/// Values below this part of the greatest one are not compared: there, rounding is most of the difference.
+const FAINTEST: f64 = 1e-5;
+
+/// Where a model is least reciprocal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReciprocityError {
+    /// The difference of both values, relative to the greater one: 0 to 1, or 2 if they have different signs.
+    pub error: f64,
+    /// The directions, as they were taken first.
+    pub pair: DirectionPair,
+}
+
+/// The same directions with light and viewer exchanged.
+fn exchanged(pair: &DirectionPair) -> DirectionPair {
+    DirectionPair { light: pair.view, view: pair.light }
+}
+
+/// The relative difference of the BRDF of each pair and the exchanged pair, for the component where it is largest. NaN
+/// where one of both is not finite.
+pub fn differences(model: &dyn Reflectance, pairs: &[DirectionPair]) -> Vec<f64> {
+    let back: Vec<DirectionPair> = pairs.iter().map(exchanged).collect();
+    let brdfs = |pairs: &[DirectionPair]| -> Vec<[f64; 3]> {
+        pairs.iter().zip(model.values(pairs)).map(|(pair, value)| brdf(pair, value)).collect()
+    };
+    let (there, back) = (brdfs(pairs), brdfs(&back));
+    let all = there.iter().chain(&back).flatten();
+    let greatest = all.filter(|value| value.is_finite()).fold(0.0_f64, |greatest, value| greatest.max(value.abs()));
+    let difference = |one: f64, other: f64| {
+        let scale = one.abs().max(other.abs());
+        if !(one.is_finite() && other.is_finite()) {
+            f64::NAN
+        } else if scale <= FAINTEST * greatest {
+            0.0
+        } else {
+            (one - other).abs() / scale
+        }
+    };
+    let of_pair = |(there, back): (&[f64; 3], &[f64; 3])| {
+        let components = there.iter().zip(back).map(|(one, other)| difference(*one, *other));
+        components.fold(0.0, |largest: f64, component| if component.is_nan() { f64::NAN } else { largest.max(component) })
+    };
+    there.iter().zip(&back).map(of_pair).collect()
+}
+
+/// Where a model is least reciprocal, among pairs that are spread over both hemispheres. `None` if it has no finite
+/// values.
+pub fn worst(model: &dyn Reflectance) -> Option<ReciprocityError> {
+    let mut pairs = Vec::new();
+    let polar = || (0..18).map(|step| 5.0 * f64::from(step));
+    for light in polar() {
+        for view in polar().filter(|view| *view <= light) {
+            for (azimuth, turned) in (0..13).flat_map(|step| [0.0, 50.0].map(|azimuth| (azimuth, 15.0 * f64::from(step)))) {
+                pairs.push(pair(direction(light, azimuth), direction(view, azimuth + turned)));
+            }
+        }
+    }
+    let differences = differences(model, &pairs);
+    let finite = differences.iter().zip(&pairs).filter(|(error, _)| error.is_finite());
+    let (error, pair) = finite.max_by(|one, other| one.0.total_cmp(other.0))?;
+    Some(ReciprocityError { error: *error, pair: *pair })
+}

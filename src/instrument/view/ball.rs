@@ -1,0 +1,149 @@
+//! Views of a ball: in a white furnace, and under a light.
+
+use crate::instrument::albedo::{albedos, depends_on_azimuth};
+use crate::instrument::direction::{direction, pair};
+use crate::instrument::hemisphere::Integration;
+use crate::instrument::view::settings::{NamedModel, ViewSettings};
+use crate::instrument::{DirectionPair, Reflectance};
+use crate::plot::{Chart, ChartAxis, MapChart, MapPanel, MapValues};
+use glam::{DMat3, DVec3};
+
+/// Pixels along each side of a picture.
+const SIDE: u32 = 240;
+/// Points of a pixel along each side.
+const FINENESS: u32 = 2;
+/// The radius of the ball, where half a side is 1.
+const RADIUS: f64 = 0.88;
+/// How bright the furnace is shown, so that more than it has can be seen.
+const FURNACE: f32 = 0.5;
+
+/// The place of a point of a pixel on the ball: its normal, to the right, up, and towards the viewer. None beside it.
+fn normal_at(index: u32) -> Option<DVec3> {
+    let side = SIDE * FINENESS;
+    let place = |index: u32| (2.0 * (f64::from(index) + 0.5) / f64::from(side) - 1.0) / RADIUS;
+    let (x, y) = (place(index % side), -place(index / side));
+    let height = 1.0 - x * x - y * y;
+    (height > 0.0).then(|| DVec3::new(x, y, height.sqrt()))
+}
+
+/// Tangent, bitangent and normal of a ball as columns; the tangent runs around the vertical axis.
+fn frame(normal: DVec3) -> DMat3 {
+    let tangent = DVec3::Y.cross(normal).try_normalize().unwrap_or(DVec3::X);
+    DMat3::from_cols(tangent, normal.cross(tangent), normal)
+}
+
+/// The means of the points of each pixel.
+fn pixels(points: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    let side = SIDE * FINENESS;
+    let pixel = |index: u32| {
+        let (column, row) = (index % SIDE * FINENESS, index / SIDE * FINENESS);
+        let mut sum = [0.0; 3];
+        for within in 0..FINENESS * FINENESS {
+            let at = (row + within / FINENESS) * side + column + within % FINENESS;
+            let point = points.get(at as usize).copied().unwrap_or_default();
+            // What is brighter than white does not shine over an edge.
+            sum.iter_mut().zip(point).for_each(|(sum, component): (&mut f32, f32)| *sum += component.min(1.0));
+        }
+        sum.map(|component| component / (FINENESS * FINENESS) as f32)
+    };
+    (0..SIDE * SIDE).map(pixel).collect()
+}
+
+/// The colours of a ball by `colours`, which is given the normals of its points, before a background.
+fn ball(background: [f32; 3], colours: impl FnOnce(&[DVec3]) -> Vec<[f32; 3]>) -> Vec<[f32; 3]> {
+    let count = (SIDE * FINENESS) * (SIDE * FINENESS);
+    let normals: Vec<Option<DVec3>> = (0..count).map(normal_at).collect();
+    let seen: Vec<DVec3> = normals.iter().copied().flatten().collect();
+    let mut colours = colours(&seen).into_iter();
+    let points: Vec<[f32; 3]> = normals.iter().map(|normal| normal.and_then(|_| colours.next()).unwrap_or(background)).collect();
+    pixels(&points)
+}
+
+/// What is seen of a model in a white furnace, by polar angle and azimuth of the viewer.
+struct FurnaceTable {
+    /// Steps of the polar angle, and of the azimuth.
+    steps: [usize; 2],
+    shares: Vec<[f64; 3]>,
+}
+
+impl FurnaceTable {
+    const LAST: f64 = 89.5;
+
+    fn new(model: &dyn Reflectance) -> Self {
+        let steps = if depends_on_azimuth(model) { [18, 24] } else { [45, 1] };
+        let row = |row: usize| Self::LAST * row as f64 / steps[0] as f64;
+        let column = |column: usize| 360.0 * column as f64 / steps[1] as f64;
+        let angles: Vec<[f64; 2]> =
+            (0..=steps[0]).flat_map(|polar| (0..steps[1]).map(move |azimuth| [row(polar), column(azimuth)])).collect();
+        let shares = albedos(model, Integration::OverLights, &angles).into_iter().map(|integral| integral.value).collect();
+        Self { steps, shares }
+    }
+
+    /// The share that is seen from a direction in the frame of the surface.
+    fn at(&self, view: DVec3) -> [f64; 3] {
+        let polar = view.z.clamp(-1.0, 1.0).acos().to_degrees();
+        let row = (polar / Self::LAST * self.steps[0] as f64).clamp(0.0, self.steps[0] as f64);
+        let turn = view.y.atan2(view.x).rem_euclid(std::f64::consts::TAU) / std::f64::consts::TAU;
+        let column = turn * self.steps[1] as f64;
+        let (first, start) = ((row.floor() as usize).min(self.steps[0] - 1), column.floor() as usize);
+        let share = |row: usize, column: usize| self.shares[row * self.steps[1] + column % self.steps[1]];
+        let mixed = |one: [f64; 3], other: [f64; 3], part: f64| -> [f64; 3] {
+            std::array::from_fn(|index| one[index] + part * (other[index] - one[index]))
+        };
+        let across = |row: usize| mixed(share(row, start), share(row, start + 1), column - column.floor());
+        mixed(across(first), across(first + 1), row - first as f64)
+    }
+}
+
+/// A ball in a white furnace.
+pub(super) fn furnace(models: &[NamedModel], settings: &ViewSettings) -> Chart {
+    let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+    let mut panels = Vec::new();
+    for (number, model) in models.iter().enumerate() {
+        let table = FurnaceTable::new(model.model.as_ref());
+        for share in table.shares.iter().flatten() {
+            range = [range[0].min(*share), range[1].max(*share)];
+        }
+        let colours = |normals: &[DVec3]| -> Vec<[f32; 3]> {
+            let seen = normals.iter().map(|normal| table.at(frame(*normal).transpose() * DVec3::Z));
+            seen.map(|share| share.map(|component| FURNACE * component as f32)).collect()
+        };
+        let values = MapValues::Colours(ball([FURNACE; 3], colours));
+        panels.push(MapPanel { name: ViewSettings::name_among(models, number), size: [SIDE; 2], values });
+    }
+    let mut heading = settings.heading("White furnace: darker loses light, brighter makes light");
+    let separator = if heading.subtitle.is_empty() { "" } else { "; " };
+    heading.subtitle.push_str(&format!("{separator}the ball sends {:.3} to {:.3} of the light", range[0], range[1]));
+    Chart::Map(MapChart { heading, axes: None, bar: ChartAxis::default(), panels })
+}
+
+/// A ball under a distant light from the left above.
+pub(super) fn sphere(models: &[NamedModel], settings: &ViewSettings) -> Chart {
+    let polar = settings.polar_or(&[45.0]);
+    let mut panels = Vec::new();
+    for (number, model) in models.iter().enumerate() {
+        for angle in &polar {
+            let light = direction(*angle, 135.0 + settings.light_azimuth);
+            let values = MapValues::Colours(ball([0.03; 3], |normals| lit(model.model.as_ref(), light, normals)));
+            let name = ViewSettings::name_among(models, number);
+            let angle = if polar.len() > 1 { format!("light at {angle}°") } else { String::new() };
+            let words = [name, angle].into_iter().filter(|word| !word.is_empty());
+            panels.push(MapPanel { name: words.collect::<Vec<_>>().join(", "), size: [SIDE; 2], values });
+        }
+    }
+    let heading = settings.heading("A ball under a distant light");
+    Chart::Map(MapChart { heading, axes: None, bar: ChartAxis::default(), panels })
+}
+
+/// The colours of a ball at points with these normals.
+fn lit(model: &dyn Reflectance, light: DVec3, normals: &[DVec3]) -> Vec<[f32; 3]> {
+    let is_lit = |normal: &DVec3| normal.dot(light) > 0.0;
+    let local = |normal: &DVec3| {
+        let back = frame(*normal).transpose();
+        pair(back * light, back * DVec3::Z)
+    };
+    let pairs: Vec<DirectionPair> = normals.iter().filter(|normal| is_lit(normal)).map(local).collect();
+    let mut values = model.values(&pairs).into_iter();
+    let black = [0.0; 3];
+    normals.iter().map(|normal| if is_lit(normal) { values.next().unwrap_or(black) } else { black }).collect()
+}

@@ -1,0 +1,171 @@
+//! Views as curves: over the outgoing angle, and over the incoming angle.
+
+use crate::instrument::albedo::{EQUAL, albedos};
+use crate::instrument::direction::{direction, pair};
+use crate::instrument::hemisphere::Integration;
+use crate::instrument::view::settings::{Component, NamedModel, ViewSettings};
+use crate::plot::{CartesianChart, Chart, ChartAxis, Curve, Dashes, PolarChart, ReferenceLine, subscript};
+
+/// The polar angles of the light if none are given.
+const USUAL_POLAR: [f64; 3] = [0.0, 30.0, 60.0];
+/// The last outgoing angle, in degrees: along the surface there is no direction to look from.
+const LAST: f64 = 89.9;
+
+/// The outgoing angles for light at a polar angle: all around, and closer to each other at the mirror direction and at
+/// the direction of the light, where lobes are narrow.
+fn outgoing(polar: f64) -> Vec<f64> {
+    let mut angles: Vec<f64> = (-178..=178).map(|half| 0.5 * f64::from(half)).collect();
+    angles.extend([-LAST, -89.5, 89.5, LAST]);
+    for middle in [polar, -polar] {
+        for step in 0..120 {
+            let away = 0.002 * 1.066_f64.powi(step);
+            angles.extend([middle - away, middle + away]);
+        }
+        angles.push(middle);
+    }
+    angles.retain(|angle| angle.abs() <= LAST);
+    angles.sort_by(f64::total_cmp);
+    angles.dedup();
+    angles
+}
+
+/// The points of a curve over the outgoing angle: positive at the side of the mirror direction.
+fn over_outgoing(model: &NamedModel, polar: f64, settings: &ViewSettings) -> (Vec<f64>, Vec<[f64; 3]>) {
+    let angles = outgoing(polar);
+    let light = direction(polar, settings.light_azimuth);
+    let opposite = settings.light_azimuth + 180.0 + settings.plane;
+    let pairs: Vec<_> = angles.iter().map(|angle| pair(light, direction(*angle, opposite))).collect();
+    let colours = settings.shown.of(model.model.as_ref(), &pairs);
+    (angles, colours)
+}
+
+/// The curves of all models and incoming angles. What differs more gets a colour, and what differs less gets dashes.
+fn reflection_curves(models: &[NamedModel], polar: &[f64], settings: &ViewSettings) -> Vec<Curve> {
+    let parts = settings.component.unwrap_or(Component::Luminance).parts();
+    let mut curves = Vec::new();
+    for (number, model) in models.iter().enumerate() {
+        for (index, angle) in polar.iter().enumerate() {
+            let (angles, colours) = over_outgoing(model, *angle, settings);
+            for (part, own_colour, component) in &parts {
+                let model_name = ViewSettings::name_among(models, number);
+                let incoming = if polar.len() > 1 || model_name.is_empty() { incoming_name(*angle) } else { String::new() };
+                let words = [model_name.as_str(), &incoming, *part].into_iter().filter(|word| !word.is_empty());
+                // Among components, colours tell them apart; else among angles; else among models.
+                let is_colour_free = parts.len() == 1;
+                let (colour, dashes) = match own_colour.filter(|_| !is_colour_free) {
+                    Some(colour) => (colour, index * models.len() + number),
+                    None if polar.len() > 1 => (index, number),
+                    None => (number, 0),
+                };
+                curves.push(Curve {
+                    name: words.collect::<Vec<_>>().join(", "),
+                    points: angles.iter().zip(&colours).map(|(angle, value)| [*angle, component(*value)]).collect(),
+                    colour,
+                    dashes: Dashes::ALL[dashes % Dashes::ALL.len()],
+                });
+            }
+        }
+    }
+    curves
+}
+
+/// The name of an incoming angle.
+pub(super) fn incoming_name(polar: f64) -> String {
+    format!("{} = {polar}°", subscript("θ", 'i'))
+}
+
+/// The title, and what stands below it: also the angle, if it is only one.
+fn reflection_heading(models: &[NamedModel], polar: &[f64], settings: &ViewSettings) -> crate::plot::Heading {
+    let title = if settings.plane == 0.0 {
+        "Reflection in the plane of incidence".to_owned()
+    } else {
+        format!("Reflection in a plane {}° from that of incidence", settings.plane)
+    };
+    let mut heading = settings.heading(&title);
+    if let ([angle], true) = (polar, models.len() > 1 || polar.len() == 1) {
+        let separator = if heading.subtitle.is_empty() { "" } else { "; " };
+        heading.subtitle.push_str(&format!("{separator}{}", incoming_name(*angle)));
+    }
+    heading
+}
+
+/// The BRDF over the outgoing angle, as distances.
+pub(super) fn polar(models: &[NamedModel], settings: &ViewSettings) -> Chart {
+    let polar = settings.polar_or(&USUAL_POLAR);
+    let [title, unit] = settings.shown.title();
+    let curves = reflection_curves(models, &polar, settings);
+    let colour_of = |index: usize| if polar.len() > 1 && settings.component != Some(Component::Each) { index } else { 6 };
+    Chart::Polar(PolarChart {
+        heading: reflection_heading(models, &polar, settings),
+        angle: ChartAxis::angles("outgoing angle", [-90.0, 90.0]),
+        radius: ChartAxis::numbers(title, unit, settings.is_log),
+        curves,
+        arrows: polar.iter().enumerate().map(|(index, angle)| (-angle, colour_of(index))).collect(),
+    })
+}
+
+/// The BRDF over the outgoing angle.
+pub(super) fn cartesian(models: &[NamedModel], settings: &ViewSettings) -> Chart {
+    let polar = settings.polar_or(&USUAL_POLAR);
+    let [title, unit] = settings.shown.title();
+    Chart::Cartesian(CartesianChart {
+        heading: reflection_heading(models, &polar, settings),
+        x: ChartAxis::angles("outgoing angle", [-90.0, 90.0]),
+        y: ChartAxis::numbers(title, unit, settings.is_log),
+        curves: reflection_curves(models, &polar, settings),
+        lines: Vec::new(),
+    })
+}
+
+/// The incoming angles of the curve of shares.
+fn incoming() -> Vec<f64> {
+    let mut angles: Vec<f64> = (0..=35).map(|step| 2.5 * f64::from(step)).collect();
+    angles.extend([88.5, 89.0, 89.5]);
+    angles
+}
+
+/// The share of the light that is reflected, over the incoming angle.
+pub(super) fn albedo(models: &[NamedModel], settings: &ViewSettings) -> Chart {
+    let polar = incoming();
+    let fixed: Vec<[f64; 2]> = polar.iter().map(|polar| [*polar, settings.light_azimuth]).collect();
+    let shares = |model: &NamedModel, over: Integration| -> Vec<[f64; 3]> {
+        albedos(model.model.as_ref(), over, &fixed).into_iter().map(|integral| integral.value).collect()
+    };
+    let mut curves = Vec::new();
+    for (number, model) in models.iter().enumerate() {
+        let beam = shares(model, Integration::OverViews);
+        let furnace = shares(model, Integration::OverLights);
+        let differ =
+            |one: &[f64; 3], other: &[f64; 3]| one.iter().zip(other).any(|(one, other)| (one - other).abs() > 2.0 * EQUAL);
+        let has_furnace = beam.iter().zip(&furnace).any(|(one, other)| differ(one, other));
+        let is_grey = |[red, green, blue]: &[f64; 3]| (red - green).abs() < EQUAL && (green - blue).abs() < EQUAL;
+        let all_grey = beam.iter().chain(&furnace).all(is_grey);
+        let usual = if all_grey || models.len() > 1 { Component::Luminance } else { Component::Each };
+        let parts = settings.component.unwrap_or(usual).parts();
+        let mut sides = vec![("a beam from there", &beam)];
+        if has_furnace {
+            sides.push(("a white furnace, seen from there", &furnace));
+        }
+        for (side, (what, values)) in sides.into_iter().enumerate() {
+            for (part, own_colour, component) in &parts {
+                let model_name = ViewSettings::name_among(models, number);
+                let what = if has_furnace { what } else { "" };
+                let words = [model_name.as_str(), what, *part].into_iter().filter(|word| !word.is_empty());
+                let name = words.collect::<Vec<_>>().join(", ");
+                curves.push(Curve {
+                    name: if name.is_empty() { "share of the light".to_owned() } else { name },
+                    points: polar.iter().zip(values).map(|(polar, value)| [*polar, component(*value)]).collect(),
+                    colour: own_colour.filter(|_| models.len() == 1).unwrap_or(number),
+                    dashes: Dashes::ALL[side],
+                });
+            }
+        }
+    }
+    Chart::Cartesian(CartesianChart {
+        heading: settings.heading("Share of the light that is reflected"),
+        x: ChartAxis::angles("angle of the beam, or of the viewer, from the normal", [0.0, 90.0]),
+        y: ChartAxis::numbers("share of the light", "", settings.is_log),
+        curves,
+        lines: vec![ReferenceLine { value: 1.0, label: "1: as much leaves as comes".to_owned() }],
+    })
+}

@@ -1,0 +1,91 @@
+//! Views of models: what they are at a glance, as charts.
+//!
+//! [`VIEWS`] is the table of them. The command line, the manual and the window derive from it.
+
+mod ball;
+mod curves;
+mod lobes;
+mod maps;
+mod settings;
+
+use crate::plot::Chart;
+pub use settings::{Component, NamedModel, Shown, ViewSettings};
+
+/// A view.
+pub struct InstrumentView {
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// What it shows.
+    pub doc: &'static str,
+    /// What its axes are.
+    pub axes: &'static str,
+    /// Makes the chart of one or more models.
+    chart: fn(&[NamedModel], &ViewSettings) -> Chart,
+}
+
+/// All views.
+pub const VIEWS: [InstrumentView; 8] = [
+    InstrumentView {
+        name: "polar",
+        doc: "the BRDF in a plane through the normal, as distances from the middle",
+        axes: "outgoing angle; BRDF as the distance",
+        chart: curves::polar,
+    },
+    InstrumentView {
+        name: "cartesian",
+        doc: "the same, over two axes",
+        axes: "outgoing angle from −90° to 90°; BRDF",
+        chart: curves::cartesian,
+    },
+    InstrumentView {
+        name: "lobe",
+        doc: "the BRDF of all outgoing directions, as a surface in space",
+        axes: "the directions themselves; BRDF as the distance",
+        chart: lobes::lobe,
+    },
+    InstrumentView {
+        name: "slice",
+        doc: "the picture of a material by Burley (2012): half angle by difference angle, at an azimuth of 90°",
+        axes: "half angle θh, difference angle θd; π · BRDF as the colour",
+        chart: maps::slice,
+    },
+    InstrumentView {
+        name: "albedo",
+        doc: "the share of a beam of light that is reflected, with a line at 1",
+        axes: "incoming angle; share of the light",
+        chart: curves::albedo,
+    },
+    InstrumentView {
+        name: "furnace",
+        doc: "a ball in a white furnace, light from everywhere: it vanishes if it loses and makes no light",
+        axes: "the ball, seen from the front",
+        chart: ball::furnace,
+    },
+    InstrumentView {
+        name: "reciprocity",
+        doc: "the relative difference of the BRDF if light and viewer change places",
+        axes: "incoming angle, outgoing angle; difference as the colour",
+        chart: maps::reciprocity,
+    },
+    InstrumentView {
+        name: "sphere",
+        doc: "a ball that a distant light shines on",
+        axes: "the ball, seen from the front",
+        chart: ball::sphere,
+    },
+];
+
+impl InstrumentView {
+    /// The view of a name.
+    pub fn named(name: &str) -> Option<&'static InstrumentView> {
+        VIEWS.iter().find(|view| view.name == name)
+    }
+
+    /// The chart of models. There is at least one model for anything to be seen.
+    pub fn chart(&self, models: &[NamedModel], settings: &ViewSettings) -> Chart {
+        (self.chart)(models, settings)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,159 @@
+//! What views are told: models with names, and what is shown of them.
+
+use crate::instrument::direction::{brdf, luminance};
+use crate::instrument::{DirectionPair, Reflectance};
+use crate::plot::Heading;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// A model with the name that charts show.
+#[derive(Clone)]
+pub struct NamedModel {
+    /// Its name.
+    pub name: String,
+    /// The model.
+    pub model: Arc<dyn Reflectance>,
+}
+
+/// What is shown of colours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Component {
+    /// The luminance.
+    Luminance,
+    /// One component.
+    Red,
+    /// One component.
+    Green,
+    /// One component.
+    Blue,
+    /// Red, green and blue, a curve each.
+    Each,
+}
+
+impl Component {
+    /// All of them, with the names of the command line.
+    pub const ALL: [(&'static str, Component); 5] = [
+        ("luminance", Component::Luminance),
+        ("red", Component::Red),
+        ("green", Component::Green),
+        ("blue", Component::Blue),
+        ("each", Component::Each),
+    ];
+
+    /// What is shown, each with its name and the number of its colour; no name if it is the luminance.
+    pub(super) fn parts(self) -> Vec<(&'static str, Option<usize>, fn([f64; 3]) -> f64)> {
+        let red = ("red", Some(1), (|colour| colour[0]) as fn([f64; 3]) -> f64);
+        let green = ("green", Some(2), (|colour| colour[1]) as fn([f64; 3]) -> f64);
+        let blue = ("blue", Some(0), (|colour| colour[2]) as fn([f64; 3]) -> f64);
+        match self {
+            Component::Luminance => vec![("", None, luminance)],
+            Component::Red => vec![red],
+            Component::Green => vec![green],
+            Component::Blue => vec![blue],
+            Component::Each => vec![red, green, blue],
+        }
+    }
+
+    /// One number of a colour; the luminance stands for all three.
+    pub(super) fn of(self, colour: [f64; 3]) -> f64 {
+        match self {
+            Component::Luminance | Component::Each => luminance(colour),
+            Component::Red => colour[0],
+            Component::Green => colour[1],
+            Component::Blue => colour[2],
+        }
+    }
+}
+
+/// Which number of a pair of directions is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shown {
+    /// The BRDF in 1/sr.
+    Brdf,
+    /// The value of the formula for white light: π · BRDF · cos θ of the light.
+    Value,
+}
+
+impl Shown {
+    /// Both, with the names of the command line.
+    pub const ALL: [(&'static str, Shown); 2] = [("brdf", Shown::Brdf), ("value", Shown::Value)];
+
+    /// The title and the unit of its axis.
+    pub(super) fn title(self) -> [&'static str; 2] {
+        match self {
+            Shown::Brdf => ["BRDF", "1/sr"],
+            Shown::Value => ["value for white light", ""],
+        }
+    }
+
+    /// The numbers for pairs of directions.
+    pub(super) fn of(self, model: &dyn Reflectance, pairs: &[DirectionPair]) -> Vec<[f64; 3]> {
+        let values = model.values(pairs);
+        let number = |(pair, value): (&DirectionPair, [f32; 3])| match self {
+            Shown::Brdf => brdf(pair, value),
+            Shown::Value => value.map(f64::from),
+        };
+        pairs.iter().zip(values).map(number).collect()
+    }
+}
+
+/// What is shown, and how.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ViewSettings {
+    /// Of what: stands below the title.
+    pub subtitle: String,
+    /// Polar angles of the light in degrees, 0 to 89.99; none for those that the view takes by itself.
+    pub light_polar: Vec<f64>,
+    /// The azimuth of the light from the tangent, in degrees.
+    pub light_azimuth: f64,
+    /// The angle between the plane of incidence and the plane in which outgoing directions are, in degrees.
+    pub plane: f64,
+    /// Whether equal distances are equal ratios.
+    pub is_log: bool,
+    /// Whether pictures show numbers in false colours.
+    pub false_colours: bool,
+    /// What is shown of colours; none to follow from the model.
+    pub component: Option<Component>,
+    /// Which number is shown.
+    pub shown: Shown,
+    /// From where lobes are seen: azimuth from the light's, and elevation, in degrees.
+    pub seen_from: [f64; 2],
+}
+
+impl Default for ViewSettings {
+    fn default() -> Self {
+        Self {
+            subtitle: String::new(),
+            light_polar: Vec::new(),
+            light_azimuth: 0.0,
+            plane: 0.0,
+            is_log: false,
+            false_colours: false,
+            component: None,
+            shown: Shown::Brdf,
+            seen_from: [115.0, 26.0],
+        }
+    }
+}
+
+impl ViewSettings {
+    /// The polar angles of the light, or these.
+    pub(super) fn polar_or(&self, usual: &[f64]) -> Vec<f64> {
+        if self.light_polar.is_empty() { usual.to_vec() } else { self.light_polar.clone() }
+    }
+
+    /// The heading of a chart.
+    pub(super) fn heading(&self, title: &str) -> Heading {
+        Heading { title: title.to_owned(), subtitle: self.subtitle.clone() }
+    }
+
+    /// What of several models stands for one: its name, if there are others.
+    pub(super) fn name_among(models: &[NamedModel], index: usize) -> String {
+        if models.len() > 1 { models[index].name.clone() } else { String::new() }
+    }
+}
+
+/// π times a BRDF: 1 for a matte white surface.
+pub(super) fn scaled(brdf: [f64; 3]) -> [f32; 3] {
+    brdf.map(|component| (PI * component) as f32)
+}

@@ -1,0 +1,81 @@
+use super::{Component, InstrumentView, NamedModel, Shown, VIEWS, ViewSettings};
+use crate::instrument::tests::{ClosedForm, ggx};
+use crate::plot::{Chart, ChartTheme, MapValues, painted, svg};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+fn matte(albedo: f64) -> NamedModel {
+    NamedModel { name: format!("matte {albedo}"), model: Arc::new(ClosedForm(move |_, _| albedo / PI)) }
+}
+
+fn chart(view: &str, models: &[NamedModel], settings: &ViewSettings) -> Chart {
+    InstrumentView::named(view).unwrap().chart(models, settings)
+}
+
+#[test]
+fn every_view_is_drawn() {
+    let rough = NamedModel { name: "rough".into(), model: Arc::new(ClosedForm(ggx(0.3))) };
+    let models = [rough, matte(0.5)];
+    for view in &VIEWS {
+        for models in [&models[..1], &models[..]] {
+            let chart = view.chart(models, &ViewSettings::default());
+            let figure = chart.figure([240, 180], ChartTheme::Dark);
+            let text = svg(&figure);
+            assert!(text.starts_with("<svg") && text.ends_with("</svg>\n") && !text.contains("NaN"), "{}", view.name);
+            let picture = painted(&figure).unwrap();
+            let colours: std::collections::BTreeSet<&[u8]> = picture.bytes().chunks(3).collect();
+            assert!(picture.size() == [240, 180] && colours.len() > 20, "{}", view.name);
+            let table = chart.table();
+            assert!(table.rows.len() > 30 && table.rows.iter().all(|row| row.len() == table.columns.len()), "{}", view.name);
+        }
+    }
+}
+
+#[test]
+fn curves_have_the_brdf_or_the_value() {
+    let settings = ViewSettings { light_polar: vec![60.0], ..ViewSettings::default() };
+    let of = |settings: &ViewSettings| chart("cartesian", &[matte(0.5)], settings).table();
+    let all_near = |table: &crate::plot::NumberTable, wanted: f64| table.rows.iter().all(|row| (row[1] - wanted).abs() < 1e-6);
+    assert!(all_near(&of(&settings), 0.5 / PI));
+    assert!(all_near(&of(&ViewSettings { shown: Shown::Value, ..settings.clone() }), 0.25));
+    let parts = of(&ViewSettings { component: Some(Component::Each), ..settings });
+    assert_eq!(parts.columns.len(), 4);
+}
+
+#[test]
+fn a_lobe_is_at_the_side_of_the_mirror_direction() {
+    let model = NamedModel { name: "sharp".into(), model: Arc::new(ClosedForm(ggx(0.02))) };
+    let settings = ViewSettings { light_polar: vec![40.0], light_azimuth: 70.0, ..ViewSettings::default() };
+    let table = chart("polar", &[model], &settings).table();
+    let top = table.rows.iter().max_by(|one, other| one[1].total_cmp(&other[1])).unwrap();
+    assert!((top[0] - 40.0).abs() < 0.1, "{top:?}");
+    // D F G/(4 cos²) at the mirror direction, where masking is nearly 1.
+    let wanted = 1.0 / (PI * 0.02 * 0.02) / (4.0 * 40_f64.to_radians().cos().powi(2));
+    assert!((top[1] / wanted - 1.0).abs() < 2e-3, "{top:?} {wanted}");
+}
+
+#[test]
+fn a_lossless_ball_vanishes_in_a_furnace() {
+    let Chart::Map(map) = chart("furnace", &[matte(1.0), matte(0.5)], &ViewSettings::default()) else { panic!("no map") };
+    let colours = |index: usize| match &map.panels[index].values {
+        MapValues::Colours(colours) => colours.clone(),
+        MapValues::Numbers(_) => panic!("numbers"),
+    };
+    let corner = colours(0)[0];
+    assert!(colours(0).iter().all(|colour| (colour[0] - corner[0]).abs() < 1e-4));
+    let middle = colours(1).len() / 2 + map.panels[1].size[0] as usize / 2;
+    assert!((colours(1)[middle][0] - 0.5 * corner[0]).abs() < 1e-4);
+}
+
+#[test]
+fn slices_and_reciprocity_have_their_numbers() {
+    let settings = ViewSettings { false_colours: true, ..ViewSettings::default() };
+    let table = chart("slice", &[matte(0.3)], &settings).table();
+    assert!(table.rows.iter().all(|row| (row[2] - 0.3 / PI).abs() < 1e-5));
+    let odd = NamedModel { name: "odd".into(), model: Arc::new(ClosedForm(|light: glam::DVec3, _| light.z)) };
+    let table = chart("reciprocity", &[odd], &ViewSettings::default()).table();
+    for row in table.rows.iter().step_by(997) {
+        let [light, view] = [row[0], row[1]].map(|angle| angle.to_radians().cos());
+        assert!((row[2] - (light - view).abs() / light.max(view)).abs() < 1e-4, "{row:?}");
+    }
+}
