@@ -39,7 +39,8 @@ pub struct WrittenBody {
     pub(in crate::formula) leaves: Vec<(ExprId, TermId)>,
     /// The calls of functions in it, as indices for [`Written::call`], each once. Calls in other functions are theirs.
     pub calls: Vec<u32>,
-    /// The values that are looked up in textures in it, each once. Those in functions are theirs.
+    /// The values that are looked up in textures and in measured materials in it, each once. Those in functions are
+    /// theirs.
     pub lookups: Vec<TermId>,
 }
 

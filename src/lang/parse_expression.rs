@@ -281,7 +281,10 @@ impl FormulaParser<'_> {
                     (TokenKind::Mark(Mark::Star | Mark::Slash | Mark::Caret), Some(Mark::Dot)) => {
                         Some("`*`, `/` and `^` work by components; leave the `.` out")
                     }
-                    (TokenKind::Text(_), _) => Some("texts are no values; choices are compared by their numbers: `model == 0`"),
+                    (TokenKind::Text(_), _) => Some(
+                        "texts are no values, but for the file of `measured(\"file\")`; choices are compared by their \
+                         numbers: `model == 0`",
+                    ),
                     (TokenKind::Mark(_) | TokenKind::Uses(..) | TokenKind::Number(_) | TokenKind::Word(_), _)
                     | (TokenKind::Unknown | TokenKind::End, _) => None,
                 };

@@ -5,6 +5,8 @@
 
 use crate::measured::MeasuredMaterial;
 use glam::{DVec2, DVec3};
+use std::cell::Cell;
+use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -101,20 +103,44 @@ fn direction(place: DVec2) -> DVec3 {
 /// is none. `light` and `view` are stereographic coordinates: x/(1 + z) and y/(1 + z) of unit vectors, normal +z,
 /// tangent +x.
 pub fn component<T: Into<f64> + From<f32>>(number: T, light: [T; 2], view: [T; 2], component: T) -> T {
-    let value = |number: f32, light: DVec2, view: DVec2, component: f32| {
-        let material = numbered(number)?;
-        let value = material.value(direction(light), direction(view));
-        Some((std::f64::consts::PI * value.to_array().get((component + 0.5) as usize)?).min(LARGEST.into()) as f32)
-    };
-    let place = |[x, y]: [T; 2]| DVec2::new(x.into(), y.into());
-    value(number.into() as f32, place(light), place(view), component.into() as f32).unwrap_or(0.0).into()
+    let [[lx, ly], [vx, vy]] = [light, view].map(|place| place.map(Into::into));
+    let colour = colour([number.into(), lx, ly, vx, vy]);
+    colour.get((component.into() + 0.5) as usize).copied().unwrap_or(0.0).into()
+}
+
+/// How many colours each thread keeps.
+const KEPT_COLOURS: usize = 8;
+
+/// The colours that a thread has computed last, by their arguments.
+type LastColours = [([u64; 5], [f32; 3]); KEPT_COLOURS];
+
+thread_local! {
+    /// Kernels ask for the red components of four lanes, then for the green and the blue ones of the same lanes.
+    static LAST: Cell<LastColours> = const { Cell::new([([0; 5], [0.0; 3]); KEPT_COLOURS]) };
+}
+
+/// The colour of material number `arguments[0]` for stereographic coordinates of light and view.
+fn colour(arguments: [f64; 5]) -> [f32; 3] {
+    let Some(material) = numbered(arguments[0] as f32) else { return [0.0; 3] };
+    // Bits that are all 0 stand for no material, so the list may begin with them.
+    let key = arguments.map(f64::to_bits);
+    let mixed = key.iter().fold(0_u64, |mixed, bits| (mixed ^ bits).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29));
+    let place = mixed as usize % KEPT_COLOURS;
+    let mut last = LAST.get();
+    if last[place].0 != key {
+        let [_, lx, ly, vx, vy] = arguments;
+        let value = material.value(direction(DVec2::new(lx, ly)), direction(DVec2::new(vx, vy)));
+        let colour = value.to_array().map(|component| (PI * component).min(LARGEST.into()) as f32);
+        last[place] = (key, colour);
+        LAST.set(last);
+    }
+    last[place].1
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::measured::{Measurement, merl};
-    use std::f64::consts::PI;
 
     #[test]
     fn numbers_lead_to_materials() {

@@ -3,6 +3,8 @@
 use crate::evaluate::inspect::figures::Quantity;
 use crate::formula::written::WrittenBody;
 use crate::formula::{Formula, Term, TermId};
+use crate::lang::builtins::Form;
+use crate::lang::variables::Variable;
 use crate::texture;
 use std::collections::{HashSet, VecDeque};
 
@@ -13,11 +15,12 @@ pub struct Instance {
     pub lines: Vec<InstanceLine>,
 }
 
-/// A macro, the result of the formula, the call of a function, or a colour of a texture, with its numbers.
+/// A macro, the result of the formula, the call of a function, a colour of a texture or the reflectance of a measured
+/// material, with its numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InstanceLine {
-    /// The name of the macro, or the call with its numbers: `F(0.25)`, `wood(0.85, 0.6) in oak.png`; `None`: the
-    /// result.
+    /// The name of the macro, or the call with its numbers: `F(0.25)`, `wood(0.85, 0.6) in oak.png`,
+    /// `measured("gold.bsdf")`; `None`: the result.
     pub name: Option<String>,
     /// The expression as in the formula, without parentheses that change nothing: `kd*IL*Cd*max(0, N.L)`.
     pub written: String,
@@ -26,8 +29,8 @@ pub struct InstanceLine {
     pub numbers: String,
     /// Its value. It is rounded in the same way when it is written.
     pub value: Quantity,
-    /// The calls of functions and textures in it, and those in the bodies of these functions. A call is in the first
-    /// line that needs it alone.
+    /// The calls of functions, textures and measured materials in it, and those in the bodies of these functions. A
+    /// call is in the first line that needs it alone.
     pub calls: Vec<InstanceLine>,
     /// How many more calls there are in it. They are left out because an instance has at most
     /// [`MOST_CALLS`](Instance::MOST_CALLS).
@@ -51,7 +54,7 @@ struct InstanceWriter<'w> {
     values: &'w [[f32; 3]],
     /// The calls that have been met.
     seen: HashSet<u32>,
-    /// The colours of textures that have been met, by their names.
+    /// What has been looked up in textures and measured materials, by its name.
     looked_up: HashSet<String>,
     /// How many of them have been written.
     calls: usize,
@@ -89,17 +92,35 @@ impl InstanceWriter<'_> {
         line
     }
 
-    /// Adds the colours of textures in a body.
+    /// The name of a value that is looked up: a colour of a texture, or the reflectance of a measured material.
+    fn lookup_name(&self, term: TermId) -> Option<String> {
+        let [image, coordinates @ ..] = self.formula.term(term).operands() else { return None };
+        match self.formula.term(*image) {
+            Term::Parameter(parameter) => {
+                let call = format!("{}({})", self.formula.parameter(*parameter).name, self.texts(coordinates));
+                let file = texture::path_of(self.values[image.0 as usize][0]).and_then(|path| path.file_name());
+                Some(match file {
+                    Some(file) => format!("{call} in {}", file.display()),
+                    None => call,
+                })
+            }
+            Term::Material(material) => {
+                let (name, path) = (Form::Measured.spelling(), &self.formula.material(*material).path);
+                // The frame follows.
+                let directions = coordinates.get(..2)?;
+                let given = [Variable::ToLight, Variable::ToViewer].map(Term::Variable);
+                let is_usual = directions.iter().map(|id| self.formula.term(*id)).eq(&given);
+                let directions = if is_usual { String::new() } else { format!(", {}", self.texts(directions)) };
+                Some(format!("{name}(\"{path}\"{directions})"))
+            }
+            Term::Number(_) | Term::Variable(_) | Term::Apply(..) | Term::ByComponents(..) => None,
+        }
+    }
+
+    /// Adds the colours of textures and the reflectances of measured materials in a body.
     fn add_lookups(&mut self, line: &mut InstanceLine, body: &WrittenBody) {
         for term in &body.lookups {
-            let [texture, coordinates @ ..] = self.formula.term(*term).operands() else { continue };
-            let Term::Parameter(parameter) = self.formula.term(*texture) else { continue };
-            let call = format!("{}({})", self.formula.parameter(*parameter).name, self.texts(coordinates));
-            let file = texture::path_of(self.values[texture.0 as usize][0]).and_then(|path| path.file_name());
-            let name = match file {
-                Some(file) => format!("{call} in {}", file.display()),
-                None => call,
-            };
+            let Some(name) = self.lookup_name(*term) else { continue };
             if !self.looked_up.insert(name.clone()) || !self.has_room(line) {
                 continue;
             }

@@ -484,6 +484,23 @@ fn the_origin_of_nan_in_functions_is_short_too() {
 }
 
 #[test]
+fn measured_materials_are_shown_with_their_files() {
+    let scene = "bodies; wall: rectangle, <-1,-1,0>, <-1,1,0>, <3,1,0>; lights; key: point, <0,0,9>;
+        camera; position <0,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 30;";
+    let formula = "formula; = IL*measured(\"gold.bsdf\") + measured(\"gold.bsdf\", N, <1, 0, 0>) + measured(\"gold.bsdf\");";
+    let bench = Bench::new(formula, scene, &[]);
+    let inspection = bench.inspect();
+    let End::Hit(hit) = &inspection.rays[0].end else { panic!("a hit") };
+    let instance = bench.inspector().instance(hit, LightId(0)).expect("a light");
+    let names: Vec<&str> = instance.lines[0].calls.iter().filter_map(|call| call.name.as_deref()).collect();
+    assert_eq!(names, ["measured(\"gold.bsdf\")", "measured(\"gold.bsdf\", <0, 0, 1>, <1, 0, 0>)"]);
+    assert_eq!(
+        instance.lines[0].written,
+        "IL*measured(\"gold.bsdf\") + measured(\"gold.bsdf\", N, <1, 0, 0>) + measured(\"gold.bsdf\")"
+    );
+}
+
+#[test]
 fn colours_of_textures_are_shown_with_their_files() {
     let scene = "bodies; wall: rectangle, <-1,-1,0>, <-1,1,0>, <3,1,0>; lights; key: point, <0,0,9>;
         camera; position <0,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 30;";

@@ -147,7 +147,7 @@ struct CheckFrame<'c> {
     locals: Vec<(&'c str, Option<Settled>)>,
     /// The calls in it and in its sums, by their indices in `written_calls`.
     calls: Vec<u32>,
-    /// What is looked up in textures in it and in its sums.
+    /// What is looked up in textures and in measured materials in it and in its sums.
     lookups: Vec<TermId>,
     purpose: FramePurpose<'c>,
 }
@@ -395,7 +395,11 @@ impl<'c> Checker<'c> {
         });
         let (material, _) = self.terms.add(Term::Material(MaterialId(index as u32)), Type::Scalar);
         let operands = [material, directions[0].0, directions[1].0, normal.0, tangent.0];
-        Some(self.terms.add(Term::Apply(Operation::MeasuredReflectance, operands.to_vec()), Type::Vector))
+        let reflectance = self.terms.add(Term::Apply(Operation::MeasuredReflectance, operands.to_vec()), Type::Vector);
+        if let Some(frame) = self.frames.last_mut() {
+            frame.lookups.push(reflectance.0);
+        }
+        Some(reflectance)
     }
 
     fn call_function(&mut self, index: usize, callee: &'c Name, arguments: &[ExprId]) -> CheckStep<'c> {

@@ -359,6 +359,9 @@ impl<'r> Resolver<'r> {
 
 /// How a function is called: `pow(x, y)`.
 fn usages(form: Form) -> Vec<String> {
+    if form == Form::Measured {
+        return MEASURED_USAGES.map(str::to_owned).to_vec();
+    }
     let write = |operation: Operation| format!("{}({})", form.spelling(), operation.operand_names().join(", "));
     // Overloads that differ only in types have the same form.
     let usages: BTreeSet<String> = form.overloads().map(write).collect();
