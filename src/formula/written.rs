@@ -129,7 +129,9 @@ impl Formula {
         };
         let operand = |operand: &TermId| match self.term(*operand) {
             Term::Material(material) => ExprKind::Text(self.material(*material).path.clone()),
-            _ => ExprKind::Name(text(*operand)),
+            Term::Number(_) | Term::Variable(_) | Term::Parameter(_) | Term::Apply(..) | Term::ByComponents(..) => {
+                ExprKind::Name(text(*operand))
+            }
         };
         let operands: Vec<ExprId> = self.term(id).operands().iter().map(|id| add(operand(id))).collect();
         let root = add(self.syntax(id, &operands));

@@ -11,14 +11,13 @@ use crate::formula::check::leaves::leaves;
 use crate::formula::check::names::{Meaning, Names, RepetitionCall};
 use crate::formula::check::terms::{Settled, Terms};
 use crate::formula::written::{Written, WrittenBody, WrittenCall};
-use crate::formula::{MaterialFile, MaterialId, Parameter, ParameterId, Term, TermId};
+use crate::formula::{MaterialFile, Parameter, Term, TermId};
 use crate::lang::ast::{ExprId, ExprKind, FormulaFile, Name};
 use crate::lang::builtins::{Form, Operation, Repetition};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::{Source, SourceSpan};
 use crate::lang::token::Mark;
 use crate::lang::types::Type;
-use crate::lang::variables::Variable;
 use std::collections::{HashMap, HashSet};
 use std::hash::Hash;
 use std::rc::Rc;
@@ -112,11 +111,11 @@ pub(super) fn check(
 pub(super) struct Checker<'c> {
     pub(super) file: &'c FormulaFile,
     pub(super) source: &'c Source,
-    parameters: &'c [Parameter],
+    pub(super) parameters: &'c [Parameter],
     names: &'c Names,
     pub(super) diagnostics: &'c mut Diagnostics,
-    terms: Terms,
-    materials: Vec<MaterialFile>,
+    pub(super) terms: Terms,
+    pub(super) materials: Vec<MaterialFile>,
     pub(super) settled: Vec<Option<Settled>>,
     /// The values of the macros among the definitions.
     macros: Vec<Option<Settled>>,
@@ -131,7 +130,7 @@ pub(super) struct Checker<'c> {
     calls: HashMap<CallKey, Option<(Settled, u32)>>,
     written_calls: Vec<WrittenCall>,
     /// The expressions with a mistake in their types that has been reported.
-    reported: HashSet<ExprId>,
+    pub(super) reported: HashSet<ExprId>,
     /// Whether there are too many terms. That has been reported.
     too_large: bool,
 }
@@ -253,6 +252,13 @@ impl<'c> Checker<'c> {
         WrittenBody { root, value: value.0, leaves, calls, lookups }
     }
 
+    /// Notes in the innermost frame that a value is looked up.
+    pub(super) fn note_lookup(&mut self, value: TermId) {
+        if let Some(frame) = self.frames.last_mut() {
+            frame.lookups.push(value);
+        }
+    }
+
     /// Notes a call in the innermost frame.
     fn note_call(&mut self, known: Option<(Settled, u32)>) {
         if let Some(((_, call), frame)) = known.zip(self.frames.last_mut()) {
@@ -340,66 +346,6 @@ impl<'c> Checker<'c> {
             },
             _ => CheckStep::Done(None),
         }
-    }
-
-    /// The colour of a texture at two coordinates.
-    fn texture(&mut self, texture: ParameterId, id: ExprId, coordinates: &[ExprId], span: SourceSpan) -> Option<Settled> {
-        let ty = self.parameters[texture.0 as usize].ty;
-        let settled: Option<Vec<Settled>> = coordinates.iter().map(|coordinate| self.settled[coordinate.0 as usize]).collect();
-        // Another number of coordinates has been reported, and so has a call of what is no texture.
-        let settled = settled.filter(|settled| settled.len() == 2 && ty == Type::Texture)?;
-        let settled: Vec<Settled> = settled.into_iter().map(|value| self.terms.as_value(value)).collect();
-        let types: Vec<Type> = std::iter::once(ty).chain(settled.iter().map(|(_, ty)| *ty)).collect();
-        let Some(operation) = Form::Texture.resolve(&types) else {
-            if self.reported.insert(id) {
-                self.report_mismatch(Form::Texture, id, coordinates, &types, span);
-            }
-            return None;
-        };
-        let (parameter, _) = self.terms.add(Term::Parameter(texture), ty);
-        let operands = std::iter::once(parameter).chain(settled.iter().map(|(term, _)| *term)).collect();
-        let colour = self.terms.add(Term::Apply(operation, operands), operation.result());
-        if let Some(frame) = self.frames.last_mut() {
-            frame.lookups.push(colour.0);
-        }
-        Some(colour)
-    }
-
-    /// π times the reflectance of a measured material.
-    fn measured(&mut self, id: ExprId, arguments: &'c [ExprId], span: SourceSpan) -> Option<Settled> {
-        let [file, directions @ ..] = arguments else { return None };
-        // Another number of arguments has been reported, and so has a first one that is no text.
-        let ExprKind::Text(path) = &self.file.expr(*file).kind else { return None };
-        let mut variable = |variable: Variable| self.terms.add(Term::Variable(variable), variable.ty());
-        let (normal, tangent) = (variable(Variable::Normal), variable(Variable::Tangent));
-        let directions: Vec<Settled> = match directions {
-            [] => vec![variable(Variable::ToLight), variable(Variable::ToViewer)],
-            [_, _] => {
-                let settled: Option<Vec<Settled>> = directions.iter().map(|argument| self.settled[argument.0 as usize]).collect();
-                settled?.into_iter().map(|value| self.terms.as_value(value)).collect()
-            }
-            _ => return None,
-        };
-        let types: Vec<Type> = directions.iter().map(|(_, ty)| *ty).collect();
-        if types != [Type::Vector; 2] {
-            if self.reported.insert(id) {
-                self.report_mismatch(Form::Measured, id, &arguments[1..], &types, span);
-            }
-            return None;
-        }
-        let known = self.materials.iter().position(|known| known.path == *path);
-        let index = known.unwrap_or_else(|| {
-            let span = self.file.expr(*file).span;
-            self.materials.push(MaterialFile { path: path.clone(), span, number: 0.0 });
-            self.materials.len() - 1
-        });
-        let (material, _) = self.terms.add(Term::Material(MaterialId(index as u32)), Type::Scalar);
-        let operands = [material, directions[0].0, directions[1].0, normal.0, tangent.0];
-        let reflectance = self.terms.add(Term::Apply(Operation::MeasuredReflectance, operands.to_vec()), Type::Vector);
-        if let Some(frame) = self.frames.last_mut() {
-            frame.lookups.push(reflectance.0);
-        }
-        Some(reflectance)
     }
 
     fn call_function(&mut self, index: usize, callee: &'c Name, arguments: &[ExprId]) -> CheckStep<'c> {

@@ -24,24 +24,16 @@ impl Checker<'_> {
             Form::Conditional => Diagnostic::error(format!("the two values of `if` differ: {} and {}", types[1], types[2]))
                 .at(whole(&operands[2]), types[2].with_article())
                 .at(whole(&operands[1]), types[1].with_article()),
-            Form::Vector => {
-                let wrong = types.iter().position(|ty| *ty != Type::Scalar).unwrap_or(0);
-                Diagnostic::error(format!("a component of a vector is {}", types[wrong].with_article()))
-                    .at(whole(&operands[wrong]), "expected a scalar")
-                    .help("take one component of it with getx, gety or getz")
-            }
-            Form::Texture => {
-                let wrong = types.iter().skip(1).position(|ty| *ty != Type::Scalar).unwrap_or(0);
-                Diagnostic::error(format!("a coordinate of a texture is {}", types[wrong + 1].with_article()))
-                    .at(whole(&operands[wrong]), "expected a scalar")
-                    .help("the surface coordinates of a hit are `u` and `v`")
-            }
-            Form::Measured => {
-                let wrong = types.iter().position(|ty| *ty != Type::Vector).unwrap_or(0);
-                Diagnostic::error(format!("a direction of a measured material is {}", types[wrong].with_article()))
-                    .at(whole(&operands[wrong]), "expected a vector")
-                    .help(format!("write `{}`", MEASURED_USAGES.join("` or `")))
-            }
+            Form::Vector => self
+                .wrong_operand("a component of a vector", operands, types, Type::Scalar)
+                .help("take one component of it with getx, gety or getz"),
+            // The first operand is the texture.
+            Form::Texture => self
+                .wrong_operand("a coordinate of a texture", operands, &types[1..], Type::Scalar)
+                .help("the surface coordinates of a hit are `u` and `v`"),
+            Form::Measured => self
+                .wrong_operand("a direction of a measured material", operands, types, Type::Vector)
+                .help(format!("write `{}`", MEASURED_USAGES.join("` or `"))),
             Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Function(_) | Form::Constant(_) => {
                 let listed: Vec<&str> = types.iter().map(|ty| ty.with_article()).collect();
                 let mut diagnostic = Diagnostic::error(format!("`{spelling}` does not take {}", listed.join(" and ")))
@@ -94,6 +86,13 @@ impl Checker<'_> {
             diagnostic = diagnostic.help(format!("`{spelling}` takes {}", accepted.join(", ")));
         }
         self.report(diagnostic);
+    }
+
+    /// Says which operand has another type than the wanted one, which all of them should have.
+    fn wrong_operand(&self, what: &str, operands: &[ExprId], types: &[Type], wanted: Type) -> Diagnostic {
+        let wrong = types.iter().position(|ty| *ty != wanted).unwrap_or(0);
+        Diagnostic::error(format!("{what} is {}", types[wrong].with_article()))
+            .at(self.file.expr(operands[wrong]).span, format!("expected {}", wanted.with_article()))
     }
 
     pub(super) fn report_scalar_result(&mut self, result: ExprId, ty: Type) {

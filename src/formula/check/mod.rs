@@ -9,6 +9,7 @@ mod expressions;
 mod grouping;
 mod invariants;
 mod leaves;
+mod lookups;
 mod mismatch;
 mod names;
 mod parameters;
