@@ -18,8 +18,11 @@ mod input;
 mod list;
 mod lsp;
 mod man;
+mod measure;
+mod model;
 mod options;
 mod output;
+mod plot;
 #[cfg(feature = "window")]
 mod preview;
 mod progress;
@@ -60,6 +63,10 @@ enum Command {
     Import(import::Options),
     /// Write a formula in another language: C, shading languages, MaterialX
     Export(export::Options),
+    /// Draw what a formula or a material is: lobes, curves, slices, albedo
+    Plot(plot::Options),
+    /// Tell whether a formula or a material conserves energy, and what else its numbers are
+    Measure(measure::Options),
     /// Check formulas, scenes, sessions and material libraries for mistakes
     Check(check::Options),
     /// Give formulas and scenes a regular layout: lines, spaces, columns
@@ -108,6 +115,8 @@ pub(crate) fn run() -> ExitCode {
         Command::Sweep(options) => sweep::run(&options),
         Command::Import(options) => import::run(&options),
         Command::Export(options) => export::run(&options),
+        Command::Plot(options) => plot::run(&options),
+        Command::Measure(options) => measure::run(&options),
         Command::Check(options) => check::run(&options),
         Command::Fmt(options) => fmt::run(&options),
         Command::Lsp => lsp::run(),

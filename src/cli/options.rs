@@ -180,7 +180,7 @@ where
     }
 }
 
-fn size(text: &str) -> Result<[u32; 2], String> {
+pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     let form = || format!("expected a size such as 640x480, each side 1 to {MAX_SIDE}");
     let (width, height) = text.split_once(['x', 'X', '×']).ok_or_else(form)?;
     let side = |text: &str| text.trim().parse().ok().filter(|side| (1..=MAX_SIDE).contains(side)).ok_or_else(form);

@@ -47,6 +47,13 @@ fn check_picture(path: &Path) -> Result<Format, Failure> {
         };
         return Err(Failure::CommandLine(Diagnostic::error(message).help(format!("the kinds are {}", Format::suffixes()))));
     };
+    check_file(path)?;
+    Ok(format)
+}
+
+/// Checks that a file can be written to this path.
+pub(super) fn check_file(path: &Path) -> Result<(), Failure> {
+    let name = path.display();
     if path.is_dir() {
         return Err(Failure::command_line(format!("`{name}` is a folder; name a file in it")));
     }
@@ -64,8 +71,7 @@ fn check_picture(path: &Path) -> Result<Format, Failure> {
     }
     // A symbolic link may name a file that does not exist yet.
     let target = follow_links(path).map_err(|error| Failure::input(format!("cannot write `{name}`: {}", reason(&error))))?;
-    check_folder(target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new(".")))?;
-    Ok(format)
+    check_folder(target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new(".")))
 }
 
 /// Checks that an output does not overwrite one of its own input files.

@@ -11,8 +11,10 @@ pub const ACCURACY: f64 = 2e-4;
 /// Of two models, or of a model in two directions, shares that differ by less are called equal.
 pub const EQUAL: f64 = 1e-3;
 /// The polar angles at which the greatest share is looked for, in degrees.
-const SEARCHED: [f64; 21] =
-    [0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0, 50.0, 55.0, 60.0, 65.0, 70.0, 75.0, 80.0, 84.0, 87.0, 88.5, 89.5];
+const SEARCHED: [f64; 23] = [
+    0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0, 50.0, 55.0, 60.0, 65.0, 70.0, 75.0, 80.0, 84.0, 87.0, 88.5, 89.5,
+    89.9, STEEPEST,
+];
 /// The azimuths at which a model is looked at that depends on them.
 const AZIMUTHS: [f64; 4] = [0.0, 45.0, 90.0, 135.0];
 
@@ -105,9 +107,9 @@ fn highest(
     best
 }
 
-/// The angle between two angles at which `is_above` becomes true, to a tenth of a degree.
+/// The angle between two angles at which `is_above` becomes true, to a tenth of a degree, and better near the horizon.
 fn crossing([mut below, mut above]: [f64; 2], is_above: impl Fn(f64) -> bool) -> f64 {
-    while above - below > 0.1 {
+    while above - below > (0.05 * (90.0 - below)).min(0.1) {
         let middle = 0.5 * (below + above);
         if is_above(middle) { above = middle } else { below = middle }
     }

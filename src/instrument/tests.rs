@@ -24,8 +24,8 @@ fn mirror_cosine(light: DVec3, view: DVec3) -> f64 {
     DVec3::new(-light.x, -light.y, light.z).dot(view).max(0.0)
 }
 
-/// Walter et al. (2007), equation 33, with the height-correlated masking of Heitz (2014), equation 99, and a mirror that
-/// reflects everything. The sine comes from a cross product, which keeps its digits.
+/// Walter et al. (2007), equation 33, with the height-correlated masking of Heitz (2014), equation 99, and facets that
+/// reflect everything. The sine comes from a cross product, which keeps its digits.
 pub(super) fn ggx(alpha: f64) -> impl Fn(DVec3, DVec3) -> f64 {
     move |light, view| {
         let half = (light + view).normalize();

@@ -1,7 +1,7 @@
 //! Charts of curves over two axes at right angles.
 
 use crate::plot::axis::{ChartAxis, FittedAxis};
-use crate::plot::curve::{Curve, Heading};
+use crate::plot::curve::{ChartHeading, Curve};
 use crate::plot::figure::{Anchor, Figure, FigureMark, Stroke};
 use crate::plot::layout::{ChartArea, ChartSheet};
 use crate::plot::number_table::NumberTable;
@@ -21,7 +21,7 @@ pub struct ReferenceLine {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CartesianChart {
     /// What stands over it.
-    pub heading: Heading,
+    pub heading: ChartHeading,
     /// The axis to the right.
     pub x: ChartAxis,
     /// The axis upwards.
@@ -54,7 +54,8 @@ impl CartesianChart {
         let label = sheet.label_size();
         let numbers = |axis: usize| self.curves.iter().flat_map(move |curve| curve.points.iter().map(move |point| point[axis]));
         let most = (sheet.area.height / (4.2 * label)).clamp(2.0, 10.0);
-        let marked = self.lines.iter().map(|line| line.value);
+        // A marked line has room above it.
+        let marked = self.lines.iter().map(|line| 1.05 * line.value);
         let y = self.y.fitted(numbers(1).chain(marked), most);
         let x = self.x.fitted(numbers(0), (sheet.area.width / (4.8 * label)).clamp(2.0, 13.0));
         let widest = y.ticks.iter().map(|tick| width(&tick.label, label)).fold(0.0, f64::max);

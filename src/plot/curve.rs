@@ -2,7 +2,7 @@
 
 /// What stands over a chart.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Heading {
+pub struct ChartHeading {
     /// What is shown.
     pub title: String,
     /// Of what, and how.

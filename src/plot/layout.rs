@@ -1,6 +1,6 @@
 //! What all charts have: a heading, a legend below it, and the area that remains.
 
-use crate::plot::curve::{Curve, Dashes, Heading};
+use crate::plot::curve::{ChartHeading, Curve, Dashes};
 use crate::plot::figure::{Anchor, Figure, Stroke};
 use crate::plot::theme::ChartTheme;
 use crate::plot::typeface::{shortened, width};
@@ -48,7 +48,7 @@ pub(super) struct ChartSheet {
 
 impl ChartSheet {
     /// A sheet with its heading.
-    pub(super) fn new(size: [u32; 2], theme: ChartTheme, heading: &Heading) -> Self {
+    pub(super) fn new(size: [u32; 2], theme: ChartTheme, heading: &ChartHeading) -> Self {
         let [width, height] = size.map(f64::from);
         let unit = (width / USUAL_SIZE[0]).min(height / USUAL_SIZE[1]).clamp(0.5, 8.0);
         let title =

@@ -2,7 +2,7 @@
 
 use crate::plot::axis::ChartAxis;
 use crate::plot::colours::mixed;
-use crate::plot::curve::Heading;
+use crate::plot::curve::ChartHeading;
 use crate::plot::figure::{Anchor, Figure, FigureMark};
 use crate::plot::layout::ChartSheet;
 use crate::plot::number_table::NumberTable;
@@ -37,7 +37,7 @@ pub struct Lobe {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LobeChart {
     /// What stands over it.
-    pub heading: Heading,
+    pub heading: ChartHeading,
     /// The distance from the middle.
     pub radius: ChartAxis,
     /// From where they are seen: azimuth and elevation in degrees.

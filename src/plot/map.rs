@@ -3,7 +3,7 @@
 use crate::picture::{Bitmap, Transfer, quantise};
 use crate::plot::axis::{ChartAxis, FittedAxis};
 use crate::plot::colours::false_colour;
-use crate::plot::curve::Heading;
+use crate::plot::curve::ChartHeading;
 use crate::plot::figure::{Anchor, Figure, FigureMark, Stroke};
 use crate::plot::layout::{ChartArea, ChartSheet};
 use crate::plot::number_table::NumberTable;
@@ -35,7 +35,7 @@ pub struct MapPanel {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MapChart {
     /// What stands over it.
-    pub heading: Heading,
+    pub heading: ChartHeading,
     /// The axes, to the right and upwards. None for a picture of a thing.
     pub axes: Option<[ChartAxis; 2]>,
     /// What the numbers are. Colours have no bar.

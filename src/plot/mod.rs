@@ -28,7 +28,7 @@ pub use axis::ChartAxis;
 pub use cartesian::{CartesianChart, ReferenceLine};
 pub use chart::Chart;
 pub use colours::false_colour;
-pub use curve::{Curve, Dashes, Heading};
+pub use curve::{ChartHeading, Curve, Dashes};
 pub use figure::{Anchor, Figure, FigureMark, Ink, Stroke, subscript};
 pub use lobe::{Lobe, LobeChart};
 pub use map::{MapChart, MapPanel, MapValues};

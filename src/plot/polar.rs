@@ -2,7 +2,7 @@
 
 use crate::plot::axis::{ChartAxis, FittedAxis};
 use crate::plot::cartesian::columns_of;
-use crate::plot::curve::{Curve, Heading};
+use crate::plot::curve::{ChartHeading, Curve};
 use crate::plot::figure::{Anchor, Figure, Ink, Stroke};
 use crate::plot::layout::ChartSheet;
 use crate::plot::number_table::NumberTable;
@@ -12,7 +12,7 @@ use crate::plot::theme::ChartTheme;
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PolarChart {
     /// What stands over it.
-    pub heading: Heading,
+    pub heading: ChartHeading,
     /// The angles.
     pub angle: ChartAxis,
     /// The distance from the middle.

@@ -9,7 +9,7 @@ use crate::plot::{Chart, ChartAxis, MapChart, MapPanel, MapValues};
 use glam::{DMat3, DVec3};
 
 /// Pixels along each side of a picture.
-const SIDE: u32 = 240;
+const SIDE: u32 = 360;
 /// Points of a pixel along each side.
 const FINENESS: u32 = 2;
 /// The radius of the ball, where half a side is 1.

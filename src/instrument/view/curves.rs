@@ -75,7 +75,7 @@ pub(super) fn incoming_name(polar: f64) -> String {
 }
 
 /// The title, and what stands below it: also the angle, if it is only one.
-fn reflection_heading(models: &[NamedModel], polar: &[f64], settings: &ViewSettings) -> crate::plot::Heading {
+fn reflection_heading(models: &[NamedModel], polar: &[f64], settings: &ViewSettings) -> crate::plot::ChartHeading {
     let title = if settings.plane == 0.0 {
         "Reflection in the plane of incidence".to_owned()
     } else {
@@ -120,7 +120,7 @@ pub(super) fn cartesian(models: &[NamedModel], settings: &ViewSettings) -> Chart
 /// The incoming angles of the curve of shares.
 fn incoming() -> Vec<f64> {
     let mut angles: Vec<f64> = (0..=35).map(|step| 2.5 * f64::from(step)).collect();
-    angles.extend([88.5, 89.0, 89.5]);
+    angles.extend([88.5, 89.0, 89.5, 89.9]);
     angles
 }
 

@@ -2,7 +2,7 @@
 
 use crate::instrument::direction::{brdf, luminance};
 use crate::instrument::{DirectionPair, Reflectance};
-use crate::plot::Heading;
+use crate::plot::ChartHeading;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -143,8 +143,8 @@ impl ViewSettings {
     }
 
     /// The heading of a chart.
-    pub(super) fn heading(&self, title: &str) -> Heading {
-        Heading { title: title.to_owned(), subtitle: self.subtitle.clone() }
+    pub(super) fn heading(&self, title: &str) -> ChartHeading {
+        ChartHeading { title: title.to_owned(), subtitle: self.subtitle.clone() }
     }
 
     /// What of several models stands for one: its name, if there are others.

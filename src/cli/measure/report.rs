@@ -1,0 +1,175 @@
+//! What `measure --json` prints. Angles are in degrees: from the normal, and around it from the tangent.
+
+use illuminator::instrument::DirectionPair;
+use illuminator::instrument::albedo::{EQUAL, GreatestAlbedo};
+use illuminator::instrument::expressions::ExpressionRange;
+use illuminator::instrument::hemisphere::angles_of;
+use illuminator::instrument::measurement::{EnergyVerdict, Measurement};
+use serde::Serialize;
+
+/// The names of the components of colours.
+pub(super) const COMPONENTS: [&str; 3] = ["red", "green", "blue"];
+
+/// What was measured of a model.
+#[derive(Serialize)]
+pub(super) struct MeasurementReport {
+    /// The model.
+    pub(super) model: String,
+    /// Whether at most all of any beam of light is reflected.
+    pub(super) conserves_energy: bool,
+    /// The greatest share of a beam that is reflected.
+    pub(super) greatest_albedo: GreatestReport,
+    /// The most that a viewer sees in a white furnace.
+    pub(super) greatest_in_furnace: GreatestReport,
+    /// The shares by the angle of the beam, or of the viewer.
+    pub(super) albedo: Vec<AlbedoReport>,
+    /// Whether values change when both directions turn about the normal.
+    pub(super) depends_on_azimuth: bool,
+    /// Whether values are the same if light and viewer change places.
+    pub(super) is_reciprocal: bool,
+    /// Where they differ most; null if there is no finite value.
+    pub(super) reciprocity: Option<ReciprocityReport>,
+    /// The smallest value, π · BRDF · cos θ; null if there is no finite value.
+    pub(super) smallest: Option<SmallestReport>,
+    /// A pair of directions where a value is not finite; null if there is none.
+    pub(super) not_finite: Option<PairReport>,
+    /// How many pairs of directions the expressions were evaluated for.
+    pub(super) pairs: usize,
+    /// The macros and the result of the formula.
+    pub(super) expressions: Vec<ExpressionReport>,
+}
+
+/// The greatest share of the light.
+#[derive(Serialize)]
+pub(super) struct GreatestReport {
+    pub(super) share: f64,
+    /// How wrong it may be.
+    pub(super) error: f64,
+    pub(super) component: &'static str,
+    pub(super) theta: f64,
+    pub(super) phi: f64,
+    /// The angle from which on it is above 1; null if it is not.
+    pub(super) above_one_from: Option<f64>,
+}
+
+/// The shares of the light for one angle.
+#[derive(Serialize)]
+pub(super) struct AlbedoReport {
+    pub(super) theta: f64,
+    /// The share of a beam that is reflected: red, green, blue.
+    pub(super) beam: [f64; 3],
+    /// What a viewer sees in a white furnace.
+    pub(super) furnace: [f64; 3],
+    pub(super) error: f64,
+}
+
+/// Two directions: angles from the normal and around it.
+#[derive(Serialize)]
+pub(super) struct PairReport {
+    pub(super) light: [f64; 2],
+    pub(super) view: [f64; 2],
+}
+
+#[derive(Serialize)]
+pub(super) struct ReciprocityReport {
+    /// The difference relative to the greater value.
+    pub(super) error: f64,
+    #[serde(flatten)]
+    pub(super) at: PairReport,
+}
+
+#[derive(Serialize)]
+pub(super) struct SmallestReport {
+    pub(super) value: f64,
+    #[serde(flatten)]
+    pub(super) at: PairReport,
+}
+
+/// The range of an expression.
+#[derive(Serialize)]
+pub(super) struct ExpressionReport {
+    /// The name of the macro; `=` for the result.
+    pub(super) name: String,
+    /// The least and the greatest finite number, over all components; null if there is none.
+    pub(super) least: Option<f64>,
+    pub(super) greatest: Option<f64>,
+    /// For how many pairs of directions it is not a number, and one of them.
+    pub(super) not_numbers: usize,
+    pub(super) not_a_number_at: Option<PairReport>,
+    /// For how many it is infinite, and one of them.
+    pub(super) infinite: usize,
+    pub(super) infinite_at: Option<PairReport>,
+}
+
+/// Rounds to what the accuracy of shares allows to be told.
+fn share(value: f64) -> f64 {
+    (value * 1e5).round() / 1e5
+}
+
+/// Rounds an angle to thousandths of a degree.
+fn angle(value: f64) -> f64 {
+    (value * 1e3).round() / 1e3
+}
+
+impl GreatestReport {
+    fn new(greatest: &GreatestAlbedo) -> Self {
+        let [theta, phi] = greatest.angles;
+        Self {
+            share: share(greatest.share),
+            error: greatest.error,
+            component: COMPONENTS[greatest.component % COMPONENTS.len()],
+            theta: angle(theta),
+            phi: angle(phi),
+            above_one_from: greatest.above_one_from.map(angle),
+        }
+    }
+}
+
+impl PairReport {
+    fn new(pair: &DirectionPair) -> Self {
+        let [light, view] = angles_of(pair).map(|angles| angles.map(angle));
+        Self { light, view }
+    }
+}
+
+impl MeasurementReport {
+    pub(super) fn new(model: &str, measured: &Measurement, expressions: &[ExpressionRange], pairs: usize) -> Self {
+        let rows = measured.rows.iter().map(|row| AlbedoReport {
+            theta: row.polar,
+            beam: row.beam.map(share),
+            furnace: row.furnace.map(share),
+            error: row.error,
+        });
+        let expression = |range: &ExpressionRange| ExpressionReport {
+            name: range.name.clone(),
+            least: range.range.map(|[least, _]| least),
+            greatest: range.range.map(|[_, greatest]| greatest),
+            not_numbers: range.not_numbers.0,
+            not_a_number_at: range.not_numbers.1.as_ref().map(PairReport::new),
+            infinite: range.infinite.0,
+            infinite_at: range.infinite.1.as_ref().map(PairReport::new),
+        };
+        Self {
+            model: model.to_owned(),
+            conserves_energy: measured.verdict() == EnergyVerdict::Conserves,
+            greatest_albedo: GreatestReport::new(&measured.beam),
+            greatest_in_furnace: GreatestReport::new(&measured.furnace),
+            albedo: rows.collect(),
+            depends_on_azimuth: measured.depends_on_azimuth,
+            is_reciprocal: measured.is_reciprocal(),
+            reciprocity: measured
+                .reciprocity
+                .map(|worst| ReciprocityReport { error: worst.error, at: PairReport::new(&worst.pair) }),
+            smallest: measured.least.map(|(value, pair)| SmallestReport { value, at: PairReport::new(&pair) }),
+            not_finite: measured.not_finite.as_ref().map(PairReport::new),
+            pairs,
+            expressions: expressions.iter().map(expression).collect(),
+        }
+    }
+
+    /// Whether red, green and blue are the same everywhere, so one column tells all.
+    pub(super) fn is_grey(&self) -> bool {
+        let same = |[red, green, blue]: [f64; 3]| (red - green).abs() < EQUAL && (green - blue).abs() < EQUAL;
+        self.albedo.iter().all(|row| same(row.beam) && same(row.furnace))
+    }
+}

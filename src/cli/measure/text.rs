@@ -1,0 +1,184 @@
+//! What `measure` prints: the verdict first, then the numbers.
+
+use crate::cli::measure::report::{COMPONENTS, ExpressionReport, GreatestReport, MeasurementReport, PairReport};
+use std::fmt::Write;
+
+/// The width of the names at the left.
+const NAME_WIDTH: usize = 14;
+/// The most characters of the name of an expression.
+const LONGEST_NAME: usize = 24;
+
+/// The table.
+pub(super) fn table(report: &MeasurementReport) -> String {
+    let mut text = format!("{}\n\n", report.model);
+    let mut fact = |name: &str, said: String| {
+        // Writing to a string does not fail.
+        let _ = writeln!(text, "{name:<NAME_WIDTH$}{said}");
+    };
+    fact("energy", verdict(report));
+    if !report.is_reciprocal {
+        fact("furnace", furnace(&report.greatest_in_furnace));
+    }
+    fact("reciprocity", reciprocity(report));
+    fact("azimuth", if report.depends_on_azimuth { "matters (anisotropic)" } else { "does not matter (isotropic)" }.to_owned());
+    fact(
+        "smallest",
+        match &report.smallest {
+            Some(smallest) if smallest.value < 0.0 => format!("NEGATIVE: {} at {}", number(smallest.value), place(&smallest.at)),
+            Some(smallest) => format!("{}, never negative", number(smallest.value)),
+            None => "no finite value".to_owned(),
+        },
+    );
+    if let Some(pair) = &report.not_finite {
+        fact("NOT FINITE", format!("at {}; there it counts as 0", place(pair)));
+    }
+    text.push('\n');
+    text.push_str(&shares(report));
+    text.push('\n');
+    text.push_str(&expressions(report));
+    text
+}
+
+/// An angle in degrees, with more digits near the horizon.
+fn degrees(angle: f64) -> String {
+    if angle > 89.0 { format!("{angle:.2}°") } else { format!("{angle:.1}°") }
+}
+
+fn percent(share: f64) -> String {
+    if share < 5e-5 {
+        return "less than 0.01 %".to_owned();
+    }
+    let digits = if share < 0.0995 { 2 } else { 1 };
+    format!("{:.digits$} %", 100.0 * share)
+}
+
+/// The answer to whether energy is conserved.
+fn verdict(report: &MeasurementReport) -> String {
+    let greatest = &report.greatest_albedo;
+    let at = of_greatest(greatest, report.depends_on_azimuth, report.is_grey());
+    match greatest.above_one_from {
+        None => format!("conserved: at most {:.3} of a beam of light is reflected ({at})", greatest.share),
+        Some(from) if from <= 0.05 => format!("NOT conserved: {:.3} of the light at {at}; above 1 at once", greatest.share),
+        Some(from) => format!("NOT conserved: {:.3} of the light at {at}; above 1 from {}", greatest.share, degrees(from)),
+    }
+}
+
+/// What a viewer sees of a model that is not reciprocal.
+fn furnace(greatest: &GreatestReport) -> String {
+    let at = degrees(greatest.theta);
+    match greatest.above_one_from {
+        None => format!("at most {:.3} is seen in a white furnace (at {at})", greatest.share),
+        Some(from) => format!("up to {:.3} is seen in a white furnace, at {at}; above 1 from {}", greatest.share, degrees(from)),
+    }
+}
+
+/// Where the greatest share is.
+fn of_greatest(greatest: &GreatestReport, has_azimuth: bool, is_grey: bool) -> String {
+    let mut text = degrees(greatest.theta);
+    if has_azimuth {
+        let _ = write!(text, ", azimuth {:.0}°", greatest.phi);
+    }
+    if !is_grey {
+        let _ = write!(text, ", {}", greatest.component);
+    }
+    text
+}
+
+fn reciprocity(report: &MeasurementReport) -> String {
+    match &report.reciprocity {
+        None => "no finite value".to_owned(),
+        Some(worst) if report.is_reciprocal => format!("reciprocal, to {}", percent(worst.error)),
+        Some(worst) => format!("NOT reciprocal: values differ by {} at {}", percent(worst.error), place(&worst.at)),
+    }
+}
+
+fn place(pair: &PairReport) -> String {
+    let of = |[polar, azimuth]: [f64; 2]| {
+        let azimuth = if polar < 1e-3 { String::new() } else { format!("/{azimuth:.0}°") };
+        format!("{}{azimuth}", degrees(polar))
+    };
+    format!("light {}, viewer {}", of(pair.light), of(pair.view))
+}
+
+/// The shares by angle.
+fn shares(report: &MeasurementReport) -> String {
+    let has_furnace = !report.is_reciprocal;
+    let components = if report.is_grey() { 1 } else { 3 };
+    let mut lines = vec![vec!["angle".to_owned()]];
+    for side in ["reflected", "in a furnace"].into_iter().take(if has_furnace { 2 } else { 1 }) {
+        match components {
+            1 => lines[0].push(side.to_owned()),
+            _ => lines[0].extend(
+                COMPONENTS.map(|name| if has_furnace && side != "reflected" { format!("f. {name}") } else { name.to_owned() }),
+            ),
+        }
+    }
+    for row in &report.albedo {
+        let furnace = row.furnace.iter().take(if has_furnace { components } else { 0 });
+        let numbers = row.beam.iter().take(components).chain(furnace).map(|share| format!("{share:.4}"));
+        lines.push(std::iter::once(format!("{}°", row.theta)).chain(numbers).collect());
+    }
+    let what = if has_furnace {
+        "share of a beam that is reflected, by its angle; and what is seen in a white furnace (f.), by the viewer's angle"
+    } else {
+        "share of a beam that is reflected, by its angle (and what is seen in a white furnace, by the viewer's)"
+    };
+    format!("{what}\n{}", aligned(&lines))
+}
+
+/// The ranges of the expressions.
+fn expressions(report: &MeasurementReport) -> String {
+    let mut lines = vec![["expression", "least", "greatest"].map(str::to_owned).to_vec()];
+    for expression in &report.expressions {
+        let name: String = expression.name.chars().take(LONGEST_NAME).collect();
+        let end = |number: Option<f64>| number.map_or_else(|| "-".to_owned(), self::number);
+        let mut line = vec![name, end(expression.least), end(expression.greatest)];
+        line.extend(odd(expression));
+        lines.push(line);
+    }
+    format!("expressions over {} pairs of directions\n{}", report.pairs, aligned(&lines))
+}
+
+/// Where an expression is not finite.
+fn odd(expression: &ExpressionReport) -> Option<String> {
+    let told = |what: &str, count: usize, at: &Option<PairReport>| {
+        at.as_ref().map(|pair| format!("{what} for {count}, as at {}", place(pair)))
+    };
+    let not_a_number = told("NaN", expression.not_numbers, &expression.not_a_number_at);
+    let infinite = told("infinite", expression.infinite, &expression.infinite_at);
+    let parts: Vec<String> = [not_a_number, infinite].into_iter().flatten().collect();
+    (!parts.is_empty()).then(|| parts.join("; "))
+}
+
+/// A number with a few digits.
+fn number(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 {
+        "0".to_owned()
+    } else if (1e-3..1e5).contains(&size) {
+        let text = format!("{value:.4}");
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        format!("{value:.3e}")
+    }
+}
+
+/// Columns: the first one to the left, those with a heading to the right, and what follows as it is.
+fn aligned(lines: &[Vec<String>]) -> String {
+    let headings = lines.first().map_or(0, Vec::len);
+    let longest = |column: usize| lines.iter().filter_map(|line| line.get(column)).map(|cell| cell.chars().count()).max();
+    let widths: Vec<usize> = (0..headings).map(|column| longest(column).unwrap_or(0)).collect();
+    let mut text = String::new();
+    for line in lines {
+        let mut shown = String::from("  ");
+        for (column, cell) in line.iter().enumerate() {
+            let width = widths.get(column).copied().unwrap_or(0);
+            shown.push_str(&match column {
+                0 => format!("{cell:<width$}"),
+                _ => format!("  {cell:>width$}"),
+            });
+        }
+        let _ = writeln!(text, "{}", shown.trim_end());
+    }
+    text
+}

@@ -1,0 +1,271 @@
+//! Models of reflection that the command line names: formulas with values.
+
+use crate::cli::input::{Speaker, data_folder, read_of_kind};
+use crate::cli::options::{MachineOptions, read};
+use crate::cli::progress::Progress;
+use crate::cli::report::Failure;
+use clap::Args;
+use illuminator::engine::Task;
+use illuminator::files::Readable;
+use illuminator::formula::{Formula, ParameterId};
+use illuminator::instrument::Reflectance;
+use illuminator::instrument::model::{FormulaModel, ModelProgram, ParameterNumbers, Place};
+use illuminator::instrument::view::NamedModel;
+use illuminator::lang::diagnostic::{Diagnostic, nearest};
+use illuminator::lang::display_text::one_line;
+use illuminator::lang::source::Source;
+use illuminator::lang::variables::Owner;
+use illuminator::trace::usable_memory;
+use illuminator::workspace::assignment::AssignmentTarget;
+use illuminator::workspace::materials::MaterialAssignment;
+use illuminator::workspace::presets::{self, DEFAULT_SESSION};
+use illuminator::workspace::project::{Project, Request, SessionText};
+use illuminator::workspace::{FileKind, Location, NamedAssignment, OwnerId, Values};
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The scene of a formula alone: something to have values.
+const PLAIN_SCENE: &str = "bodies; body: sphere, center <0,0,0>, radius 1; lights; light: point, <0,0,9>;
+camera; position <0,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 40;";
+/// The name of that scene in messages.
+const PLAIN_NAME: &str = "plain";
+
+/// Which model is looked at.
+#[derive(Args, Debug)]
+pub(super) struct ModelOptions {
+    /// Session, whose values of a body and of a light count; or a formula file [default: preset:default]
+    model: Option<OsString>,
+    /// Formula. Values of the session stay where the formula has the same parameter; without a session, values are the
+    /// defaults
+    #[arg(long, short, value_name = "FILE")]
+    formula: Option<OsString>,
+    /// Give a body a material of the formula's library, or all bodies with *=NAME; --set overrides its values
+    #[arg(long = "material", value_name = "BODY=NAME", value_parser = read::<MaterialAssignment>)]
+    materials: Vec<MaterialAssignment>,
+    /// Set a value: ball.kd=0.3, ka=0.1, *.kd=0.3 for all; for a formula alone kd=0.3 is enough
+    #[arg(long = "set", value_name = "OWNER.PARAM=VALUE", value_parser = read::<NamedAssignment>)]
+    settings: Vec<NamedAssignment>,
+    /// The body whose values count [default: the first one]
+    #[arg(long, value_name = "NAME")]
+    body: Option<String>,
+    /// The light whose values count; its colour is white in any case [default: the first one]
+    #[arg(long, value_name = "NAME")]
+    light: Option<String>,
+    #[command(flatten)]
+    pub(super) machine: MachineOptions,
+}
+
+/// A formula with the values of a body and of a light.
+pub(super) struct ValuedFormula {
+    pub(super) formula: Arc<Formula>,
+    pub(super) numbers: ParameterNumbers,
+}
+
+/// A model that was opened.
+pub(super) struct OpenedModel {
+    /// The model, with a short name.
+    pub(super) named: NamedModel,
+    /// What it is, in more words.
+    pub(super) described: String,
+    /// The formula that it is.
+    pub(super) valued: ValuedFormula,
+    /// The files that were read.
+    pub(super) files: Vec<PathBuf>,
+}
+
+/// What a name on the command line stands for, read.
+enum GivenModel {
+    Session(SessionText),
+    /// The text of a formula, and where it is.
+    Formula(Source, Location),
+}
+
+impl ModelOptions {
+    /// Opens the model that the options name.
+    pub(super) fn open(&self) -> Result<OpenedModel, Failure> {
+        let formula = self.formula.as_ref().map(Location::new);
+        let given = match &self.model {
+            Some(name) => Some((name.clone(), given_model(name, FileKind::Session)?)),
+            None => None,
+        };
+        match (given, formula) {
+            (Some((_, GivenModel::Formula(..))), Some(_)) => {
+                let error = Diagnostic::error("two formulas are given");
+                Err(Failure::CommandLine(error.help("`--with FORMULA` shows another one beside the first")))
+            }
+            (Some((_, GivenModel::Formula(source, location))), None) => self.formula_alone(source, location),
+            (None, Some(location)) => {
+                let source = location.read(FileKind::Formula, Readable::RegularOrPipe).map_err(Failure::Input)?;
+                self.formula_alone(source, location)
+            }
+            (Some((name, GivenModel::Session(session))), formula) => self.of_session(session, name.as_os_str(), formula),
+            (None, None) => {
+                let location = Location::Preset(DEFAULT_SESSION.to_owned());
+                let name = location.to_string();
+                self.of_session(SessionText::At(location), OsStr::new(&name), None)
+            }
+        }
+    }
+
+    /// The model of a session.
+    fn of_session(&self, session: SessionText, name: &OsStr, formula: Option<Location>) -> Result<OpenedModel, Failure> {
+        let project = self.project(Request { session: Some(session), formula, ..Request::default() })?;
+        let (owners, label) = self.owners(&project)?;
+        let short = short_name(&Location::new(name));
+        let described = format!("{} with {label} of {}", project.formula_location, name.display());
+        let mut opened = opened(project, owners, format!("{short}, {label}"), described);
+        opened.files.extend(Location::new(name).file().map(Path::to_owned));
+        Ok(opened)
+    }
+
+    /// The model of a formula, with its defaults.
+    fn formula_alone(&self, source: Source, location: Location) -> Result<OpenedModel, Failure> {
+        let settings: Vec<NamedAssignment> = self.settings.iter().cloned().map(|given| owned(given, &source)).collect();
+        let texts = |kind: FileKind| match kind {
+            FileKind::Formula => Some(source.clone()),
+            FileKind::Scene => Some(Source::new(PLAIN_NAME, PLAIN_SCENE)),
+            FileKind::Session | FileKind::Material => None,
+        };
+        let scene = Location::Preset(PLAIN_NAME.to_owned());
+        let request = Request {
+            formula: Some(location.clone()),
+            scene: Some(scene),
+            texts: Some(&texts),
+            set: &settings,
+            ..Request::default()
+        };
+        let project = self.project(request)?;
+        let (owners, _) = self.owners(&project)?;
+        let changes = self.settings.iter().map(ToString::to_string).chain(self.materials.iter().map(ToString::to_string));
+        let changes: Vec<String> = changes.collect();
+        let described = match changes.as_slice() {
+            [] => location.to_string(),
+            changes => format!("{location} with {}", changes.join(", ")),
+        };
+        Ok(opened(project, owners, short_name(&location), described))
+    }
+
+    /// Opens the project of a request, with what the options add to it.
+    fn project(&self, request: Request) -> Result<Project, Failure> {
+        let progress = Progress::new("reading files");
+        let tell = |share: f64| progress.tell(share);
+        let set = if request.set.is_empty() { &self.settings[..] } else { request.set };
+        let request = Request {
+            materials: &self.materials,
+            data: data_folder(),
+            set,
+            memory: Some(self.machine.memory.unwrap_or_else(usable_memory)),
+            task: Some(Task::watched(&tell)),
+            session_readable: Readable::RegularOrPipe,
+            readable: Readable::RegularOrPipe,
+            ..request
+        };
+        Ok(Project::open(&request, &mut Speaker)?)
+    }
+
+    /// The body and the light whose values count, and their names.
+    fn owners(&self, project: &Project) -> Result<([Option<OwnerId>; 2], String), Failure> {
+        let owners = project.values.table().owners();
+        let of = |kind: Owner, noun: &str, wanted: &Option<String>| -> Result<Option<OwnerId>, Failure> {
+            let Some(name) = wanted else { return Ok(owners.of_kind(kind).next()) };
+            let found = owners.of_kind(kind).find(|owner| owners.name(*owner) == Some(name.as_str()));
+            found.map(Some).ok_or_else(|| {
+                let names: Vec<&str> = owners.of_kind(kind).filter_map(|owner| owners.name(owner)).collect();
+                let hint = match nearest(name, names.iter().copied()) {
+                    Some(near) => format!("did you mean `{near}`?"),
+                    None => format!("the names are {}", names.join(", ")),
+                };
+                Failure::CommandLine(Diagnostic::error(format!("there is no {noun} `{name}`")).help(hint))
+            })
+        };
+        let found = [of(Owner::Body, "body", &self.body)?, of(Owner::Light, "light", &self.light)?];
+        let names: Vec<&str> = found.iter().flatten().filter_map(|owner| owners.name(*owner)).collect();
+        Ok((found, names.join(" under ")))
+    }
+
+    /// Opens another model beside: a formula, or a session with its first body.
+    pub(super) fn beside(&self, name: &OsStr) -> Result<OpenedModel, Failure> {
+        let machine = MachineOptions { threads: self.machine.threads, memory: self.machine.memory };
+        let other = ModelOptions {
+            model: Some(name.to_owned()),
+            formula: None,
+            materials: Vec::new(),
+            settings: Vec::new(),
+            body: None,
+            light: None,
+            machine,
+        };
+        match given_model(name, FileKind::Formula)? {
+            GivenModel::Formula(source, location) => other.formula_alone(source, location),
+            GivenModel::Session(session) => other.of_session(session, name, None),
+        }
+    }
+}
+
+/// Reads what a name stands for. Of built-in files with one name, those of the preferred kind count.
+fn given_model(name: &OsStr, preferred: FileKind) -> Result<GivenModel, Failure> {
+    let location = Location::new(name);
+    let kind = match &location {
+        Location::Preset(preset) => {
+            let kinds = [preferred, FileKind::Session, FileKind::Formula];
+            kinds.into_iter().find(|kind| presets::text(*kind, preset).is_some()).or(Some(preferred))
+        }
+        Location::File(_) => None,
+    };
+    let (kind, source) = read_of_kind(&location, kind).map_err(Failure::Input)?;
+    match kind {
+        FileKind::Formula => Ok(GivenModel::Formula(source, location)),
+        FileKind::Session => Ok(GivenModel::Session(match location.file() {
+            Some(path) => SessionText::Text(source, path.parent().unwrap_or(Path::new("")).to_owned()),
+            None => SessionText::At(location),
+        })),
+        FileKind::Scene | FileKind::Material => {
+            let error = Diagnostic::error(format!("`{}` is a {}", one_line(source.name()), kind.noun()));
+            Err(Failure::Input(error.help("a model is a formula, or a session, which has values for one")))
+        }
+    }
+}
+
+/// A value for a formula alone. One without an owner that the scene does not have is for the body or the light.
+fn owned(mut given: NamedAssignment, source: &Source) -> NamedAssignment {
+    let Ok((formula, _)) = Formula::parse(source) else { return given };
+    let owner = formula.parameter_named(&given.parameter).map(|id| formula.parameter(id).owner);
+    if given.target == AssignmentTarget::Scene && matches!(owner, Some(Owner::Body | Owner::Light)) {
+        given.target = AssignmentTarget::All;
+    }
+    given
+}
+
+/// The name of a file without folder and suffix, or of a built-in one.
+fn short_name(location: &Location) -> String {
+    match location {
+        Location::Preset(name) => one_line(name),
+        Location::File(path) => one_line(&path.file_stem().unwrap_or_default().to_string_lossy()),
+    }
+}
+
+fn opened(project: Project, owners: [Option<OwnerId>; 2], name: String, described: String) -> OpenedModel {
+    let numbers = numbers_of(&project.subject.formula, &project.values, owners);
+    let program = Arc::new(ModelProgram::new(&project.subject.formula));
+    let model: Arc<dyn Reflectance> = Arc::new(FormulaModel::new(program, numbers.clone(), Place::default()));
+    let valued = ValuedFormula { formula: project.subject.formula, numbers };
+    OpenedModel { named: NamedModel { name, model }, described: one_line(&described), valued, files: project.files }
+}
+
+/// The values of all parameters for a body and a light. Where there is none, the values are the defaults.
+fn numbers_of(formula: &Formula, values: &Values, [body, light]: [Option<OwnerId>; 2]) -> ParameterNumbers {
+    let of_owner = |id: ParameterId| {
+        let owner = match formula.parameter(id).owner {
+            Owner::Global => Some(OwnerId::Global),
+            Owner::Body => body,
+            Owner::Light => light,
+        };
+        let own = owner.map_or(&formula.parameter(id).default[..], |owner| values.get(owner, id));
+        match own {
+            [red, green, blue] if formula.parameter(id).ty.slots() == 3 => [*red, *green, *blue],
+            own => [own.first().copied().unwrap_or_default(); 3],
+        }
+    };
+    formula.parameter_ids().map(of_owner).collect()
+}

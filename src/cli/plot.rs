@@ -1,0 +1,242 @@
+//! `illuminator plot`: draws what a formula is.
+
+use crate::cli::engine::on_threads;
+use crate::cli::model::ModelOptions;
+use crate::cli::options::size;
+use crate::cli::output::{check_distinct, check_file};
+use crate::cli::report::{Failure, print_bytes, prints_to_terminal, warn};
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use illuminator::files::{reason, replace_file, replace_text};
+use illuminator::instrument::direction::STEEPEST;
+use illuminator::instrument::view::{Component, InstrumentView, NamedModel, Shown, VIEWS, ViewChoice, ViewSettings};
+use illuminator::lang::diagnostic::Diagnostic;
+use illuminator::picture::{Format, bitmap_file_bytes};
+use illuminator::plot::{Chart, ChartTheme, painted, svg};
+use std::ffi::OsString;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// The size of a chart in pixels.
+const USUAL_SIZE: [u32; 2] = [800, 600];
+/// The least and the greatest side of a chart in pixels.
+const SIDES: [u32; 2] = [160, 8192];
+/// The most models of a chart.
+const MOST_MODELS: usize = 8;
+
+/// Options of `plot`.
+#[derive(Args, Debug)]
+pub(super) struct Options {
+    #[command(flatten)]
+    model: ModelOptions,
+    /// What is drawn
+    #[arg(long, value_name = "VIEW", value_parser = views())]
+    view: &'static InstrumentView,
+    /// Another model in the same chart: a formula or a session; may be repeated
+    #[arg(long, value_name = "OTHER")]
+    with: Vec<OsString>,
+    /// Angles of the light from the normal in degrees, 0 to 89.99, as in 0,30,60
+    #[arg(long, value_name = "DEGREES", value_parser = polar, value_delimiter = ',', allow_negative_numbers = true)]
+    theta: Vec<f64>,
+    /// Azimuth of the light from the tangent in degrees [default: 0]
+    #[arg(long, value_name = "DEGREES", value_parser = turn, allow_negative_numbers = true)]
+    phi: Option<f64>,
+    /// Angle between the plane of incidence and the plane of the outgoing directions, in degrees [default: 0]
+    #[arg(long, value_name = "DEGREES", value_parser = turn, allow_negative_numbers = true)]
+    plane: Option<f64>,
+    /// Logarithmic scale
+    #[arg(long)]
+    log: bool,
+    /// Show numbers as false colours
+    #[arg(long)]
+    false_colours: bool,
+    /// What is shown of colours
+    #[arg(long, value_name = "NAME", value_parser = named(Component::ALL.map(|(name, _)| name)))]
+    component: Option<String>,
+    /// The BRDF, or the value of the formula for white light, which is π · BRDF · cos θ [default: brdf]
+    #[arg(long, value_name = "NAME", value_parser = named(Shown::ALL.map(|(name, _)| name)))]
+    quantity: Option<String>,
+    /// From where a lobe is seen: azimuth from the light's, and elevation, in degrees [default: 115,26]
+    #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = seen_from, allow_hyphen_values = true)]
+    seen_from: Option<SeenFrom>,
+    /// Size in pixels, each side 160 to 8192 [default: 800x600]
+    #[arg(long, value_name = "WxH", value_parser = side)]
+    size: Option<ChartSize>,
+    /// Draw on dark paper
+    #[arg(long)]
+    dark: bool,
+    /// File: .png, .svg, or .csv for the numbers; - writes PNG to standard output
+    #[arg(long = "output", short, value_name = "OUT")]
+    output: PathBuf,
+}
+
+/// From where a lobe is seen. It is a type of its own because the parser of arguments takes arrays for lists.
+#[derive(Debug, Clone, Copy)]
+struct SeenFrom([f64; 2]);
+
+/// The size of a chart, likewise.
+#[derive(Debug, Clone, Copy)]
+struct ChartSize([u32; 2]);
+
+/// In what form a chart is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum ChartFormat {
+    Png,
+    Svg,
+    Csv,
+}
+
+fn views() -> impl TypedValueParser<Value = &'static InstrumentView> {
+    let values = VIEWS.iter().map(|view| PossibleValue::new(view.name).help(view.doc));
+    PossibleValuesParser::new(values).try_map(|name| InstrumentView::named(&name).ok_or("no such view"))
+}
+
+fn named<const COUNT: usize>(names: [&'static str; COUNT]) -> PossibleValuesParser {
+    PossibleValuesParser::new(names)
+}
+
+fn polar(text: &str) -> Result<f64, String> {
+    let angle = text.trim().parse().ok().filter(|angle| (0.0..=STEEPEST).contains(angle));
+    angle.ok_or_else(|| format!("expected an angle from 0 to {STEEPEST} degrees"))
+}
+
+fn turn(text: &str) -> Result<f64, String> {
+    let angle = text.trim().parse().ok().filter(|angle| (-360.0..=360.0).contains(angle));
+    angle.ok_or_else(|| "expected an angle from -360 to 360 degrees".to_owned())
+}
+
+fn seen_from(text: &str) -> Result<SeenFrom, String> {
+    let form = || "expected two angles such as 115,26, the second one from 5 to 90 degrees".to_owned();
+    let (azimuth, elevation) = text.split_once(',').ok_or_else(form)?;
+    let elevation = elevation.trim().parse().ok().filter(|angle| (5.0..=90.0).contains(angle)).ok_or_else(form)?;
+    Ok(SeenFrom([turn(azimuth)?, elevation]))
+}
+
+fn side(text: &str) -> Result<ChartSize, String> {
+    let [least, greatest] = SIDES;
+    let sides = size(text).ok().filter(|sides| sides.iter().all(|side| (least..=greatest).contains(side)));
+    sides.map(ChartSize).ok_or_else(|| format!("expected a size such as 800x600, each side {least} to {greatest}"))
+}
+
+impl ChartFormat {
+    /// The format that a path asks for.
+    fn of(path: &Path) -> Result<Self, Failure> {
+        if path == Path::new("-") {
+            if prints_to_terminal() {
+                let error = Diagnostic::error("a picture cannot be shown in a terminal");
+                return Err(Failure::CommandLine(error.help("send it on, as in `-o - > chart.png` or `-o - | viewer`")));
+            }
+            return Ok(ChartFormat::Png);
+        }
+        let suffix = path.extension().map(|suffix| suffix.to_string_lossy().to_lowercase());
+        let format = match suffix.as_deref() {
+            Some("png") => ChartFormat::Png,
+            Some("svg") => ChartFormat::Svg,
+            Some("csv") => ChartFormat::Csv,
+            Some(_) | None => {
+                let message = match path.extension() {
+                    Some(suffix) => format!("charts of the kind `.{}` cannot be written", suffix.display()),
+                    None => format!("`{}` does not say by a suffix what kind of chart it is to be", path.display()),
+                };
+                return Err(Failure::CommandLine(Diagnostic::error(message).help("the kinds are .png, .svg, .csv")));
+            }
+        };
+        check_file(path)?;
+        Ok(format)
+    }
+}
+
+/// Draws.
+pub(super) fn run(options: &Options) -> Result<(), Failure> {
+    let format = ChartFormat::of(&options.output)?;
+    if options.with.len() >= MOST_MODELS {
+        return Err(Failure::command_line(format!("a chart shows at most {MOST_MODELS} models")));
+    }
+    warn_of_unused(options);
+    let first = options.model.open()?;
+    let mut files = first.files;
+    let mut models = vec![first.named];
+    for name in &options.with {
+        let other = options.model.beside(name)?;
+        files.extend(other.files);
+        models.push(other.named);
+    }
+    if options.output != Path::new("-") {
+        check_distinct(&options.output, &files)?;
+    }
+    let subtitle = if models.len() == 1 { first.described } else { String::new() };
+    let settings = settings(options, subtitle);
+    let chart = on_threads(&options.model.machine, || options.view.chart(&models, &settings))?;
+    warn_of_nothing(&chart, &models);
+    write(options, format, &chart)
+}
+
+/// What is shown, and how.
+fn settings(options: &Options, subtitle: String) -> ViewSettings {
+    let usual = ViewSettings::default();
+    let chosen = |name: &str| Component::ALL.iter().find(|(known, _)| *known == name).map(|(_, component)| *component);
+    let quantity = |name: &str| Shown::ALL.iter().find(|(known, _)| *known == name).map(|(_, shown)| *shown);
+    ViewSettings {
+        subtitle,
+        light_polar: options.theta.clone(),
+        light_azimuth: options.phi.unwrap_or(usual.light_azimuth),
+        plane: options.plane.unwrap_or(usual.plane),
+        is_log: options.log,
+        false_colours: options.false_colours,
+        component: options.component.as_deref().and_then(chosen),
+        shown: options.quantity.as_deref().and_then(quantity).unwrap_or(usual.shown),
+        seen_from: options.seen_from.map_or(usual.seen_from, |SeenFrom(angles)| angles),
+    }
+}
+
+/// Warns of options that change nothing in the view.
+fn warn_of_unused(options: &Options) {
+    let given = [
+        ("--theta", ViewChoice::LightPolar, !options.theta.is_empty()),
+        ("--phi", ViewChoice::LightAzimuth, options.phi.is_some()),
+        ("--plane", ViewChoice::Plane, options.plane.is_some()),
+        ("--log", ViewChoice::Log, options.log),
+        ("--false-colours", ViewChoice::FalseColours, options.false_colours),
+        ("--component", ViewChoice::Component, options.component.is_some()),
+        ("--quantity", ViewChoice::Shown, options.quantity.is_some()),
+        ("--seen-from", ViewChoice::SeenFrom, options.seen_from.is_some()),
+    ];
+    for (option, choice, _) in given.into_iter().filter(|(_, _, is_given)| *is_given) {
+        if !options.view.choices.contains(&choice) {
+            warn(format!("`{option}` changes nothing in the view `{}`", options.view.name));
+        }
+    }
+}
+
+/// Warns of a chart in which there is nothing but 0, or no number at all.
+fn warn_of_nothing(chart: &Chart, models: &[NamedModel]) {
+    let (Chart::Cartesian(_) | Chart::Polar(_)) = chart else { return };
+    let table = chart.table();
+    let numbers = || table.rows.iter().flat_map(|row| row.iter().skip(1));
+    let which = if models.len() == 1 { "the model" } else { "every model" };
+    if numbers().all(|number| !number.is_finite()) {
+        warn(format!("{which} has no finite value for these directions"));
+    } else if numbers().all(|number| *number == 0.0 || !number.is_finite()) {
+        warn(format!("{which} is 0 for all of these directions"));
+    }
+}
+
+/// Writes the chart.
+fn write(options: &Options, format: ChartFormat, chart: &Chart) -> Result<(), Failure> {
+    let ChartSize(size) = options.size.unwrap_or(ChartSize(USUAL_SIZE));
+    let theme = if options.dark { ChartTheme::Dark } else { ChartTheme::Light };
+    let path = &options.output;
+    let unwritten = |error: std::io::Error| Failure::input(format!("cannot write `{}`: {}", path.display(), reason(&error)));
+    match format {
+        ChartFormat::Csv => replace_text(path, &chart.table().csv()).map_err(unwritten),
+        ChartFormat::Svg => replace_text(path, &svg(&chart.figure(size, theme))).map_err(unwritten),
+        ChartFormat::Png => {
+            let bitmap = painted(&chart.figure(size, theme)).map_err(Failure::input)?;
+            let bytes = bitmap_file_bytes(&bitmap, Format::Png).map_err(unwritten)?;
+            if path == Path::new("-") {
+                return print_bytes(&bytes);
+            }
+            replace_file(path, |writer| writer.write_all(&bytes)).map_err(unwritten)
+        }
+    }
+}
