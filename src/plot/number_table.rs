@@ -1,5 +1,6 @@
 //! The numbers of a chart as rows of text.
 
+use crate::plot::figure::SUBSCRIPT;
 use std::fmt::Write;
 
 /// Columns of numbers and texts.
@@ -31,8 +32,9 @@ impl NumberTable {
     }
 }
 
+/// A name as a cell. What charts show small and low is as large as the rest.
 fn quoted(name: &str) -> String {
-    let name: String = name.chars().filter(|character| !character.is_control()).collect();
+    let name: String = name.chars().filter(|character| !character.is_control() && *character != SUBSCRIPT).collect();
     if name.contains([',', '"']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name }
 }
 

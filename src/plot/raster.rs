@@ -85,22 +85,22 @@ fn outline(pieces: &[OutlinePiece], start: f64) -> Option<Path> {
     let at = |[x, y]: [f64; 2]| [(x + start) as f32, y as f32];
     for (index, piece) in pieces.iter().enumerate() {
         match piece {
-            OutlinePiece::MoveTo(to) => {
+            OutlinePiece::Move(to) => {
                 if index > 0 {
                     builder.close();
                 }
                 let [x, y] = at(*to);
                 builder.move_to(x, y);
             }
-            OutlinePiece::LineTo(to) => {
+            OutlinePiece::Line(to) => {
                 let [x, y] = at(*to);
                 builder.line_to(x, y);
             }
-            OutlinePiece::QuadTo(control, to) => {
+            OutlinePiece::Quad(control, to) => {
                 let ([a, b], [x, y]) = (at(*control), at(*to));
                 builder.quad_to(a, b, x, y);
             }
-            OutlinePiece::CubicTo(first, second, to) => {
+            OutlinePiece::Cubic(first, second, to) => {
                 let ([a, b], [c, d], [x, y]) = (at(*first), at(*second), at(*to));
                 builder.cubic_to(a, b, c, d, x, y);
             }

@@ -26,10 +26,10 @@ pub(super) struct PlacedLetter {
 
 /// A piece of an outline, in units from the beginning of the line, downwards.
 pub(super) enum OutlinePiece {
-    MoveTo([f64; 2]),
-    LineTo([f64; 2]),
-    QuadTo([f64; 2], [f64; 2]),
-    CubicTo([f64; 2], [f64; 2], [f64; 2]),
+    Move([f64; 2]),
+    Line([f64; 2]),
+    Quad([f64; 2], [f64; 2]),
+    Cubic([f64; 2], [f64; 2], [f64; 2]),
 }
 
 impl PlacedLetter {
@@ -42,12 +42,12 @@ impl PlacedLetter {
         let mut pen: Option<Point> = None;
         for curve in &outline.curves {
             let (from, to, piece) = match curve {
-                OutlineCurve::Line(from, to) => (from, to, OutlinePiece::LineTo(at(to))),
-                OutlineCurve::Quad(from, control, to) => (from, to, OutlinePiece::QuadTo(at(control), at(to))),
-                OutlineCurve::Cubic(from, first, second, to) => (from, to, OutlinePiece::CubicTo(at(first), at(second), at(to))),
+                OutlineCurve::Line(from, to) => (from, to, OutlinePiece::Line(at(to))),
+                OutlineCurve::Quad(from, control, to) => (from, to, OutlinePiece::Quad(at(control), at(to))),
+                OutlineCurve::Cubic(from, first, second, to) => (from, to, OutlinePiece::Cubic(at(first), at(second), at(to))),
             };
             if pen != Some(*from) {
-                pieces.push(OutlinePiece::MoveTo(at(from)));
+                pieces.push(OutlinePiece::Move(at(from)));
             }
             pieces.push(piece);
             pen = Some(*to);

@@ -19,12 +19,14 @@ mod man;
 #[cfg(unix)]
 mod manual;
 mod materials;
+mod measure;
 mod measured;
 mod memory;
 mod messages;
 mod misspellings;
 mod pictures;
 mod pipe;
+mod plot;
 mod rays;
 mod sweep;
 mod terminal;

@@ -3,7 +3,7 @@
 use crate::instrument::albedo::{EQUAL, albedos};
 use crate::instrument::direction::{direction, pair};
 use crate::instrument::hemisphere::Integration;
-use crate::instrument::view::settings::{Component, NamedModel, ViewSettings};
+use crate::instrument::view::settings::{Component, ComponentPart, NamedModel, ViewSettings};
 use crate::plot::{CartesianChart, Chart, ChartAxis, Curve, Dashes, PolarChart, ReferenceLine, subscript};
 
 /// The polar angles of the light if none are given.
@@ -46,7 +46,7 @@ fn reflection_curves(models: &[NamedModel], polar: &[f64], settings: &ViewSettin
     for (number, model) in models.iter().enumerate() {
         for (index, angle) in polar.iter().enumerate() {
             let (angles, colours) = over_outgoing(model, *angle, settings);
-            for (part, own_colour, component) in &parts {
+            for ComponentPart { name: part, colour: own_colour, of: component } in &parts {
                 let model_name = ViewSettings::name_among(models, number);
                 let incoming = if polar.len() > 1 || model_name.is_empty() { incoming_name(*angle) } else { String::new() };
                 let words = [model_name.as_str(), &incoming, *part].into_iter().filter(|word| !word.is_empty());
@@ -147,7 +147,7 @@ pub(super) fn albedo(models: &[NamedModel], settings: &ViewSettings) -> Chart {
             sides.push(("a white furnace, seen from there", &furnace));
         }
         for (side, (what, values)) in sides.into_iter().enumerate() {
-            for (part, own_colour, component) in &parts {
+            for ComponentPart { name: part, colour: own_colour, of: component } in &parts {
                 let model_name = ViewSettings::name_among(models, number);
                 let what = if has_furnace { what } else { "" };
                 let words = [model_name.as_str(), what, *part].into_iter().filter(|word| !word.is_empty());

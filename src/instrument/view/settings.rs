@@ -15,6 +15,16 @@ pub struct NamedModel {
     pub model: Arc<dyn Reflectance>,
 }
 
+/// One number of a colour.
+pub(super) struct ComponentPart {
+    /// Its name; empty if it stands for all of the colour.
+    pub(super) name: &'static str,
+    /// The number of the colour of its curves.
+    pub(super) colour: Option<usize>,
+    /// The number.
+    pub(super) of: fn([f64; 3]) -> f64,
+}
+
 /// What is shown of colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Component {
@@ -40,13 +50,13 @@ impl Component {
         ("each", Component::Each),
     ];
 
-    /// What is shown, each with its name and the number of its colour; no name if it is the luminance.
-    pub(super) fn parts(self) -> Vec<(&'static str, Option<usize>, fn([f64; 3]) -> f64)> {
-        let red = ("red", Some(1), (|colour| colour[0]) as fn([f64; 3]) -> f64);
-        let green = ("green", Some(2), (|colour| colour[1]) as fn([f64; 3]) -> f64);
-        let blue = ("blue", Some(0), (|colour| colour[2]) as fn([f64; 3]) -> f64);
+    /// What is shown.
+    pub(super) fn parts(self) -> Vec<ComponentPart> {
+        let red = ComponentPart { name: "red", colour: Some(1), of: |colour| colour[0] };
+        let green = ComponentPart { name: "green", colour: Some(2), of: |colour| colour[1] };
+        let blue = ComponentPart { name: "blue", colour: Some(0), of: |colour| colour[2] };
         match self {
-            Component::Luminance => vec![("", None, luminance)],
+            Component::Luminance => vec![ComponentPart { name: "", colour: None, of: luminance }],
             Component::Red => vec![red],
             Component::Green => vec![green],
             Component::Blue => vec![blue],

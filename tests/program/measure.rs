@@ -1,0 +1,92 @@
+//! What is measured of formulas.
+
+use crate::{folder, run, told, write};
+use serde_json::Value;
+use std::path::Path;
+
+fn measured(folder: &Path, arguments: &str) -> Value {
+    let output = run(folder, &format!("measure --json {arguments}"));
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "", "{arguments}");
+    assert_eq!(output.status.code(), Some(0), "{arguments}");
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+fn near(found: &Value, wanted: f64, tolerance: f64) {
+    let number = found.as_f64().expect("a number");
+    assert!((number - wanted).abs() <= tolerance, "{number}, not {wanted}");
+}
+
+#[test]
+fn a_matte_surface_has_nothing_odd() {
+    let folder = folder();
+    write(&folder, "matte.formula", "formula; = IL*Cd*max(0, N.L);");
+    let found = measured(folder.path(), "--formula matte.formula --set Cd=<0.9,0.6,0.3>");
+    assert_eq!((&found["conserves_energy"], &found["is_reciprocal"]), (&Value::Bool(true), &Value::Bool(true)));
+    assert_eq!((&found["depends_on_azimuth"], &found["not_finite"]), (&Value::Bool(false), &Value::Null));
+    near(&found["greatest_albedo"]["share"], 0.9, 2e-4);
+    assert_eq!(found["greatest_albedo"]["component"], "red");
+    let rows = found["albedo"].as_array().expect("rows");
+    let angles: Vec<f64> = rows.iter().filter_map(|row| row["theta"].as_f64()).collect();
+    assert_eq!(angles, [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 85.0, 89.0]);
+    for row in rows {
+        for (component, wanted) in [0.9, 0.6, 0.3].into_iter().enumerate() {
+            near(&row["beam"][component], wanted, 2e-4);
+            near(&row["furnace"][component], wanted, 2e-4);
+        }
+    }
+}
+
+#[test]
+fn light_that_is_made_is_found_with_its_angle() {
+    let folder = folder();
+    write(&folder, "gain.formula", "formula; = IL*max(0, N.L)*(1.5 - N.L);");
+    let found = measured(folder.path(), "gain.formula");
+    assert_eq!(found["conserves_energy"], false);
+    near(&found["greatest_albedo"]["share"], 1.5, 1e-3);
+    near(&found["greatest_albedo"]["above_one_from"], 60.0, 0.3);
+    // The mean over the light: ∫ (1.5 − c) 2c dc.
+    near(&found["greatest_in_furnace"]["share"], 1.5 - 2.0 / 3.0, 2e-4);
+    near(&found["albedo"][6]["beam"][0], 1.0, 2e-4);
+    assert_eq!(found["is_reciprocal"], false);
+    let said = told(folder.path(), "measure gain.formula");
+    let verdict = said.lines().find(|line| line.starts_with("energy")).expect("a verdict");
+    assert!(verdict.contains("NOT conserved: 1.5") && verdict.contains("above 1 from 60."), "{said}");
+    assert!(said.contains("furnace       at most 0.833") && said.ends_with("exit status 0\n"), "{said}");
+}
+
+#[test]
+fn odd_values_are_told_with_their_places() {
+    let folder = folder();
+    let text = "formula; LOW = N.L - 0.5; ROOT = sqrt(LOW); BELOW = N.V - 2; WIDE = <0, 1, alpha>; = IL*ROOT*BELOW + 0*WIDE;";
+    write(&folder, "odd.formula", text);
+    let found = measured(folder.path(), "odd.formula");
+    let expressions = found["expressions"].as_array().expect("a list");
+    let named = |name: &str| expressions.iter().find(|found| found["name"] == name).expect("an expression");
+    near(&named("LOW")["least"], -0.5, 0.01);
+    near(&named("LOW")["greatest"], 0.5, 1e-6);
+    assert!(named("ROOT")["not_numbers"].as_u64() > Some(100) && named("LOW")["not_numbers"] == 0);
+    near(&named("ROOT")["greatest"], 0.5_f64.sqrt(), 1e-6);
+    near(&named("BELOW")["least"], -2.0, 0.01);
+    near(&named("BELOW")["greatest"], -1.0, 1e-6);
+    near(&named("WIDE")["greatest"], std::f64::consts::FRAC_PI_2, 0.01);
+    // A light that is lower than 60° has no root.
+    let light = found["not_finite"]["light"][0].as_f64().expect("an angle");
+    assert!(light > 60.0, "{light}");
+    near(&found["smallest"]["value"], -2.0 * 0.5_f64.sqrt(), 0.01);
+    let said = told(folder.path(), "measure odd.formula");
+    assert!(said.contains("NOT FINITE") && said.contains("NEGATIVE") && said.contains("NaN for"), "{said}");
+}
+
+#[test]
+fn a_session_has_the_values_of_its_bodies() {
+    let folder = folder();
+    // kd = 0.5 and ks = 0.2 at h = 20 reflect kd Cd + 2 ks/(h + 2) of light from the normal.
+    let shine = 0.4 / 22.0;
+    let found = measured(folder.path(), "session.toml");
+    near(&found["albedo"][0]["beam"][0], 0.5 + shine, 2e-4);
+    near(&found["albedo"][0]["beam"][1], shine, 2e-4);
+    let found = measured(folder.path(), "session.toml --body floor");
+    near(&found["albedo"][0]["beam"][0], 0.4 + shine, 2e-4);
+    assert!(found["model"].as_str().is_some_and(|model| model.contains("floor under key of session.toml")), "{}", found["model"]);
+    assert!(told(folder.path(), "measure session.toml --body ball2").contains("did you mean `ball`?"));
+}
