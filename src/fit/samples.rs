@@ -1,12 +1,13 @@
 //! The misfit of a formula to reflectance at pairs of directions.
 
 use crate::fit::Misfit;
+use crate::fit::directions::{WeightedPair, pairs};
 use crate::fit::metric::Metric;
 use crate::fit::normal::NormalEquations;
 use crate::fit::unknowns::FitNumber;
 use crate::formula::{Formula, ParameterId};
-use crate::instrument::DirectionPair;
 use crate::instrument::model::{ModelProgram, ParameterNumbers, Place, PreparedPairs};
+use crate::instrument::{DirectionPair, Reflectance};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -19,6 +20,19 @@ pub struct FitSample {
     pub value: [f64; 3],
     /// What the sample counts.
     pub weight: f64,
+}
+
+/// Samples of a model, at about this many pairs of directions within `largest` degrees of the normal.
+pub fn samples_of(model: &dyn Reflectance, count: usize, largest: f64) -> Vec<FitSample> {
+    let directions = pairs(count, largest);
+    let plain: Vec<DirectionPair> = directions.iter().map(|weighted| weighted.pair).collect();
+    let values = model.values(&plain);
+    let sample = |(weighted, value): (&WeightedPair, &[f32; 3])| FitSample {
+        pair: weighted.pair,
+        value: value.map(|component| f64::from(component) / PI),
+        weight: weighted.weight,
+    };
+    directions.iter().zip(&values).map(sample).collect()
 }
 
 /// A formula that is compared with samples.

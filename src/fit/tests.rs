@@ -4,16 +4,16 @@ use crate::engine::{Engine, Subject, Task};
 use crate::fit::directions::{LARGEST_ANGLE, pairs};
 use crate::fit::metric::{METRICS, Metric};
 use crate::fit::picture::{PictureMisfit, TargetPicture};
-use crate::fit::samples::{FitSample, SampleMisfit};
+use crate::fit::samples::{FitSample, SampleMisfit, samples_of};
 use crate::fit::solve::{FitOptions, Solution, solve};
 use crate::fit::unknowns::{FitNumber, FreeParameter, Unknowns};
 use crate::formula::{Formula, ParameterId};
-use crate::instrument::model::{ModelProgram, ParameterNumbers, Place, default_numbers};
+use crate::instrument::model::{FormulaModel, ModelProgram, ParameterNumbers, Place, default_numbers};
 use crate::lang::source::Source;
 use crate::sensitivity::Sensitivity;
 use crate::trace::View;
 use crate::workspace::{FileKind, NamedAssignment, Values, presets};
-use std::f64::consts::PI;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 fn built_in(name: &str) -> Formula {
@@ -33,23 +33,14 @@ fn numbers(formula: &Formula, changed: &[(&str, &[f32])]) -> ParameterNumbers {
 /// Fits these parameters of a formula to itself at other values, from its defaults.
 fn refit(formula: &Formula, wanted: &[(&str, &[f32])], metric: Metric) -> (Unknowns, Solution, Vec<f64>) {
     let truth = numbers(formula, wanted);
-    let directions = pairs(4000, LARGEST_ANGLE);
-    let program = ModelProgram::new(formula);
-    let plain: Vec<_> = directions.iter().map(|weighted| weighted.pair).collect();
-    let values = program.run(&program.prepare(&plain, &Place::default()), &truth);
-    let samples: Vec<FitSample> = directions
-        .iter()
-        .zip(values.chunks(3))
-        .map(|(weighted, value)| FitSample {
-            pair: weighted.pair,
-            value: [0, 1, 2].map(|component| f64::from(value[component]) / PI),
-            weight: weighted.weight,
-        })
-        .collect();
+    let model = FormulaModel::new(Arc::new(ModelProgram::new(formula)), truth.clone(), Place::default());
+    let samples = samples_of(&model, 4000, LARGEST_ANGLE);
     let start = default_numbers(formula);
-    let free: Vec<FreeParameter> =
-        wanted.iter().map(|(name, _)| FreeParameter { parameter: formula.parameter_named(name).unwrap(), range: None }).collect();
-    let value = |id: ParameterId| start[id.0 as usize];
+    let free: Vec<FreeParameter> = wanted
+        .iter()
+        .map(|(name, _)| FreeParameter { parameter: formula.parameter_named(name).unwrap(), owner: 0, range: None })
+        .collect();
+    let value = |id: ParameterId, _: usize| start[id.0 as usize];
     let unknowns = Unknowns::new(formula, &free, &value).unwrap();
     let place = Place::default();
     let misfit = SampleMisfit::new(formula, start.clone(), &place, unknowns.numbers(), &samples, metric);
@@ -107,21 +98,20 @@ fn parameters_of_a_picture_are_found_again() {
     let layout = crate::formula::layout::Layout::new(formula, 2, 2);
     // The body `ball` is the second, and the light `key` the first.
     let wanted = [("ks", 1), ("h", 1), ("Cd", 1), ("kr", 0), ("ki", 0)];
-    let free: Vec<FreeParameter> =
-        wanted.iter().map(|(name, _)| FreeParameter { parameter: formula.parameter_named(name).unwrap(), range: None }).collect();
-    let owner =
-        |id: ParameterId| wanted.iter().find(|(name, _)| formula.parameter(id).name == *name).map_or(1, |(_, owner)| *owner);
-    let index = |id: ParameterId| layout.index(formula.parameter(id), owner(id));
-    let value = |id: ParameterId| {
-        let first = index(id);
+    let free: Vec<FreeParameter> = wanted
+        .iter()
+        .map(|(name, owner)| FreeParameter { parameter: formula.parameter_named(name).unwrap(), owner: *owner, range: None })
+        .collect();
+    let index = |id: ParameterId, owner: usize| layout.index(formula.parameter(id), owner);
+    let value = |id: ParameterId, owner: usize| {
         let last = formula.parameter(id).ty.slots() - 1;
-        [0, 1, 2].map(|component: usize| start[first + component.min(last)])
+        [0, 1, 2].map(|component: usize| start[index(id, owner) + component.min(last)])
     };
     let unknowns = Unknowns::new(formula, &free, &value).unwrap();
     let moving: Vec<ParameterId> = unknowns.numbers().iter().map(|number| number.parameter).collect();
     let sensitivity = Sensitivity::new(&engine, &subject, &hits, &moving, &start).unwrap();
     let indices: Vec<usize> =
-        unknowns.numbers().iter().map(|number| index(number.parameter) + usize::from(number.component)).collect();
+        unknowns.numbers().iter().map(|number| index(number.parameter, number.owner) + usize::from(number.component)).collect();
     let target = TargetPicture { frame: target, clamped: false };
     let misfit = PictureMisfit::new(sensitivity, start.clone(), indices.clone(), target, METRICS[0]);
     let solution = solve(&misfit, &unknowns, FitOptions { starts: 3 }, &|_| (), &AtomicBool::new(false));
@@ -154,8 +144,8 @@ fn what_data_do_not_determine_is_told() {
 fn a_cancelled_fit_keeps_the_values_at_hand() {
     let formula = built_in("phong");
     let start = default_numbers(&formula);
-    let free = [FreeParameter { parameter: formula.parameter_named("h").unwrap(), range: None }];
-    let unknowns = Unknowns::new(&formula, &free, &|id| start[id.0 as usize]).unwrap();
+    let free = [FreeParameter { parameter: formula.parameter_named("h").unwrap(), owner: 0, range: None }];
+    let unknowns = Unknowns::new(&formula, &free, &|id, _| start[id.0 as usize]).unwrap();
     let samples: Vec<FitSample> = pairs(50, LARGEST_ANGLE)
         .iter()
         .map(|weighted| FitSample { pair: weighted.pair, value: [0.1; 3], weight: weighted.weight })

@@ -10,14 +10,17 @@ use crate::formula::invariants::InvariantSystem;
 use crate::formula::{Formula, ParameterId};
 use crate::lang::ast::Relation;
 use crate::lang::types::Type;
+use crate::lang::variables::Owner;
 use nalgebra::DMatrix;
 use thiserror::Error;
 
-/// A component of a parameter.
+/// A component of a parameter of a body, of a light, or of the scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct FitNumber {
     /// The parameter.
     pub parameter: ParameterId,
+    /// The index of the body or light among its kind; 0 for the scene.
+    pub owner: usize,
     /// The component; 0 for a scalar.
     pub component: u8,
 }
@@ -27,6 +30,8 @@ pub struct FitNumber {
 pub struct FreeParameter {
     /// The parameter.
     pub parameter: ParameterId,
+    /// The index of the body or light among its kind; 0 for the scene.
+    pub owner: usize,
     /// Bounds that replace those of the parameter.
     pub range: Option<[f32; 2]>,
 }
@@ -93,11 +98,11 @@ impl Unknowns {
     pub fn new(
         formula: &Formula,
         free: &[FreeParameter],
-        value: &dyn Fn(ParameterId) -> [f32; 3],
+        value: &dyn Fn(ParameterId, usize) -> [f32; 3],
     ) -> Result<Self, UnknownsError> {
         let systems = invariant_systems(formula);
         let mut numbers: Vec<FreeNumber> = Vec::new();
-        for FreeParameter { parameter: id, range } in free {
+        for FreeParameter { parameter: id, owner, range } in free {
             let parameter = formula.parameter(*id);
             let name = || parameter.name.clone();
             if parameter.ty == Type::Texture {
@@ -116,14 +121,14 @@ impl Unknowns {
             }
             let bounded = parameter.range.is_some() || range.is_some();
             for component in 0..parameter.ty.slots() as u8 {
-                let start = f64::from(value(*id)[usize::from(component)]);
+                let start = f64::from(value(*id, *owner)[usize::from(component)]);
                 let (low, high) = (f64::from(low), f64::from(high));
                 let scale = match bounded {
                     false => Scale::Free { unit: start.abs().max(1.0) },
                     true if low > 0.0 && high / low >= FAR => Scale::Logarithmic,
                     true => Scale::Bounded,
                 };
-                let number = FitNumber { parameter: *id, component };
+                let number = FitNumber { parameter: *id, owner: *owner, component };
                 if low < high && !numbers.iter().any(|known| known.number == number) {
                     numbers.push(FreeNumber { number, low, high, scale });
                 }
@@ -135,7 +140,8 @@ impl Unknowns {
         let mut unknowns = Self { free: numbers, followers: Vec::new(), limits: Vec::new(), start: Vec::new() };
         unknowns.follow(formula, &systems, value);
         let starts = unknowns.free.iter().map(|free| {
-            let start = f64::from(value(free.number.parameter)[usize::from(free.number.component)]);
+            let FitNumber { parameter, owner, component } = free.number;
+            let start = f64::from(value(parameter, owner)[usize::from(component)]);
             start.clamp(free.low, free.high)
         });
         unknowns.start = starts.collect();
@@ -143,45 +149,61 @@ impl Unknowns {
     }
 
     /// Takes in what invariants say of the free numbers.
-    fn follow(&mut self, formula: &Formula, systems: &[InvariantSystem], value: &dyn Fn(ParameterId) -> [f32; 3]) {
-        let position = |id: ParameterId| self.free.iter().position(|free| free.number.parameter == id);
-        let sum = |constant: f64, terms: &[(ParameterId, f64)]| {
-            let mut sum = Sum { constant, terms: Vec::new() };
-            for (id, factor) in terms {
-                match position(*id) {
-                    Some(index) => sum.terms.push((index, *factor)),
-                    None => sum.constant += factor * f64::from(value(*id)[0]),
-                }
-            }
-            sum
-        };
-        let (mut followers, mut limits) = (Vec::new(), Vec::new());
-        for dependent in systems.iter().flat_map(InvariantSystem::dependents) {
-            let follower = sum(dependent.constant, &dependent.terms);
-            if !follower.terms.is_empty() {
-                limits.push(follower.clone());
-                followers.push((FitNumber { parameter: dependent.parameter, component: 0 }, follower));
+    fn follow(&mut self, formula: &Formula, systems: &[InvariantSystem], value: &dyn Fn(ParameterId, usize) -> [f32; 3]) {
+        let mut owners: Vec<(Owner, usize)> = Vec::new();
+        for FitNumber { parameter, owner, .. } in self.free.iter().map(|free| free.number) {
+            let owner = (formula.parameter(parameter).owner, owner);
+            if !owners.contains(&owner) {
+                owners.push(owner);
             }
         }
-        for line in formula.invariants.iter().filter(|line| line.relation == Relation::AtMost) {
-            let mut terms: Vec<(ParameterId, f64)> = Vec::new();
-            let mut constant = 0.0;
-            for id in &line.terms {
-                match systems.iter().flat_map(InvariantSystem::dependents).find(|dependent| dependent.parameter == *id) {
-                    Some(dependent) => {
-                        constant += dependent.constant;
-                        terms.extend(&dependent.terms);
+        for (kind, owner) in owners {
+            let of_kind = |id: ParameterId| formula.parameter(id).owner == kind;
+            let dependents = systems.iter().flat_map(InvariantSystem::dependents);
+            let dependents: Vec<_> = dependents.filter(|dependent| of_kind(dependent.parameter)).collect();
+            for dependent in &dependents {
+                let follower = self.sum(owner, dependent.constant, &dependent.terms, value);
+                if !follower.terms.is_empty() {
+                    self.limits.push(follower.clone());
+                    self.followers.push((FitNumber { parameter: dependent.parameter, owner, component: 0 }, follower));
+                }
+            }
+            for line in formula.invariants.iter().filter(|line| line.relation == Relation::AtMost) {
+                let (mut constant, mut terms): (f64, Vec<(ParameterId, f64)>) = (0.0, Vec::new());
+                for id in line.terms.iter().copied().filter(|id| of_kind(*id)) {
+                    match dependents.iter().find(|dependent| dependent.parameter == id) {
+                        Some(dependent) => {
+                            constant += dependent.constant;
+                            terms.extend(&dependent.terms);
+                        }
+                        None => terms.push((id, 1.0)),
                     }
-                    None => terms.push((*id, 1.0)),
+                }
+                let limit = self.sum(owner, constant, &terms, value);
+                if !limit.terms.is_empty() {
+                    self.limits.push(limit);
                 }
             }
-            let limit = sum(constant, &terms);
-            if !limit.terms.is_empty() {
-                limits.push(limit);
+        }
+    }
+
+    /// A sum of parameters of an owner. Those that are not free have their values.
+    fn sum(
+        &self,
+        owner: usize,
+        constant: f64,
+        terms: &[(ParameterId, f64)],
+        value: &dyn Fn(ParameterId, usize) -> [f32; 3],
+    ) -> Sum {
+        let mut sum = Sum { constant, terms: Vec::new() };
+        for (id, factor) in terms {
+            let position = |free: &FreeNumber| free.number.parameter == *id && free.number.owner == owner;
+            match self.free.iter().position(position) {
+                Some(index) => sum.terms.push((index, *factor)),
+                None => sum.constant += factor * f64::from(value(*id, owner)[0]),
             }
         }
-        self.followers = followers;
-        self.limits = limits;
+        sum
     }
 
     /// All numbers that move: the free ones, then those that follow.
@@ -325,7 +347,6 @@ impl FreeNumber {
 
 /// The invariants of each kind of owner, solved. A checked formula has no contradictory ones.
 fn invariant_systems(formula: &Formula) -> Vec<InvariantSystem> {
-    use crate::lang::variables::Owner;
     let system = |owner| InvariantSystem::new(&formula.parameters, &formula.invariants, owner).ok();
     Owner::ALL.into_iter().filter_map(system).map(|(system, _)| system).collect()
 }
@@ -345,9 +366,11 @@ mod tests {
 
     fn unknowns(names: &[&str]) -> Result<Unknowns, UnknownsError> {
         let formula = formula();
-        let free: Vec<FreeParameter> =
-            names.iter().map(|name| FreeParameter { parameter: formula.parameter_named(name).unwrap(), range: None }).collect();
-        Unknowns::new(&formula, &free, &|id| formula.parameter(id).default)
+        let free: Vec<FreeParameter> = names
+            .iter()
+            .map(|name| FreeParameter { parameter: formula.parameter_named(name).unwrap(), owner: 0, range: None })
+            .collect();
+        Unknowns::new(&formula, &free, &|id, _| formula.parameter(id).default)
     }
 
     #[test]
@@ -402,8 +425,8 @@ mod tests {
         let message = unknowns(&["c"]).unwrap_err().to_string();
         assert!(message.contains("c = 1 - a - b"), "{message}");
         let formula = formula();
-        let a = FreeParameter { parameter: formula.parameter_named("a").unwrap(), range: Some([0.5, 2.0]) };
-        let error = Unknowns::new(&formula, &[a], &|_| [0.0; 3]);
+        let a = FreeParameter { parameter: formula.parameter_named("a").unwrap(), owner: 0, range: Some([0.5, 2.0]) };
+        let error = Unknowns::new(&formula, &[a], &|_, _| [0.0; 3]);
         assert!(matches!(error, Err(UnknownsError::Bounds(..))), "{error:?}");
     }
 }
