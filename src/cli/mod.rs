@@ -11,6 +11,7 @@ mod dump;
 mod engine;
 mod export;
 mod farm;
+mod fit;
 mod fmt;
 mod hits;
 mod import;
@@ -67,6 +68,8 @@ enum Command {
     Plot(plot::Options),
     /// Tell whether a formula or a material conserves energy, and what else its numbers are
     Measure(measure::Options),
+    /// Find values of parameters with which a formula comes near to a measured material or to a picture
+    Fit(fit::Options),
     /// Check formulas, scenes, sessions and material libraries for mistakes
     Check(check::Options),
     /// Give formulas and scenes a regular layout: lines, spaces, columns
@@ -117,6 +120,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Export(options) => export::run(&options),
         Command::Plot(options) => plot::run(&options),
         Command::Measure(options) => measure::run(&options),
+        Command::Fit(options) => fit::run(&options),
         Command::Check(options) => check::run(&options),
         Command::Fmt(options) => fmt::run(&options),
         Command::Lsp => lsp::run(),

@@ -31,7 +31,6 @@ pub(super) trait Closing: Send {
 static WINDOW: Mutex<Option<Box<dyn Closing>>> = Mutex::new(None);
 
 /// Lets signals close this window first, until the program ends.
-#[cfg_attr(not(feature = "window"), allow(dead_code, reason = "only windows close"))]
 pub(super) fn close_first(window: impl Closing + 'static) {
     *WINDOW.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(window));
 }

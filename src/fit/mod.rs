@@ -3,14 +3,16 @@
 //! [`unknowns`] says which numbers may move, within their ranges and invariants. A [`Misfit`] says how far the formula
 //! is from the data, with derivatives: [`samples`] for reflectance at pairs of directions, [`picture`] for a picture of
 //! the same scene. [`solve`] minimises it by the method of Levenberg and Marquardt from several starts.
-//! [`directions`] chooses where a measured material is compared, and [`metric`] how.
+//! [`directions`] chooses where a measured material is compared, and [`metric`] how. [`request`] knows the values of a
+//! project, and makes the misfits for them.
 //!
-//! Files are not known here, and neither is how the result is shown.
+//! How the result is shown is not known here.
 
 pub mod directions;
 pub mod metric;
 pub mod normal;
 pub mod picture;
+pub mod request;
 pub mod samples;
 pub mod solve;
 pub mod unknowns;

@@ -12,8 +12,8 @@ use rayon::prelude::*;
 pub struct TargetPicture {
     /// Linear RGB, of the size of the picture that is fitted.
     pub frame: Frame,
-    /// Whether colours end at 1, as in a file with bytes: what is brighter looks the same.
-    pub clamped: bool,
+    /// Where colours end, as in a file with bytes: what is brighter looks the same. `None`: nowhere.
+    pub end: Option<f32>,
 }
 
 /// A picture that is compared with another.
@@ -60,10 +60,14 @@ impl PictureMisfit {
                     continue;
                 }
                 equations.add_weight(1.0);
-                let end = |value: f64| if self.target.clamped { value.min(1.0) } else { value };
                 let defined = value.is_finite();
-                let beyond = self.target.clamped && *value > 1.0;
-                let [found, slope] = self.metric.apply(end(if defined { f64::from(*value) } else { 0.0 }));
+                let beyond = self.target.end.is_some_and(|end| *value > end);
+                let shown = match self.target.end {
+                    Some(end) if beyond => end,
+                    Some(_) | None if defined => *value,
+                    Some(_) | None => 0.0,
+                };
+                let [found, slope] = self.metric.apply(f64::from(shown));
                 for (entry, change) in row[..unknowns].iter_mut().zip(changes) {
                     let change = f64::from(change.linear[first + index][component]) * slope;
                     *entry = if defined && !beyond && change.is_finite() { change } else { 0.0 };

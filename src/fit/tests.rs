@@ -112,7 +112,7 @@ fn parameters_of_a_picture_are_found_again() {
     let sensitivity = Sensitivity::new(&engine, &subject, &hits, &moving, &start).unwrap();
     let indices: Vec<usize> =
         unknowns.numbers().iter().map(|number| index(number.parameter, number.owner) + usize::from(number.component)).collect();
-    let target = TargetPicture { frame: target, clamped: false };
+    let target = TargetPicture { frame: target, end: None };
     let misfit = PictureMisfit::new(sensitivity, start.clone(), indices.clone(), target, METRICS[0]);
     let solution = solve(&misfit, &unknowns, FitOptions { starts: 3 }, &|_| (), &AtomicBool::new(false));
     for (found, index) in solution.values.iter().zip(&indices) {

@@ -8,6 +8,7 @@ pub mod albedo;
 pub mod direction;
 pub mod expressions;
 pub mod hemisphere;
+pub mod measured;
 pub mod measurement;
 pub mod model;
 pub mod reciprocity;

@@ -23,7 +23,7 @@ use image::codecs::openexr::OpenExrEncoder;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageResult};
 use rayon::prelude::*;
-pub use reading::{ReadPictureError, is_complete, read_bitmap, read_linear};
+pub use reading::{ReadPicture, ReadPictureError, is_complete, read_bitmap, read_linear, read_picture};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::Path;
 pub use tone_curve::ToneCurve;

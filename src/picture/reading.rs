@@ -40,6 +40,28 @@ pub fn read_linear(path: &Path, size: [u32; 2]) -> Result<Frame, ReadPictureErro
     Ok(Frame { width: size[0], height: size[1], linear: colours.to_vec() })
 }
 
+/// A picture of any size that was read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReadPicture {
+    /// Its numbers, as they are in the file: linear in OpenEXR files, 0..=1 for components of 8 or 16 bits.
+    pub numbers: Frame,
+    /// Whether the file holds linear numbers that do not end at 1.
+    pub is_linear: bool,
+}
+
+/// Reads a picture of any size and of any format that can be written.
+///
+/// # Errors
+/// There is none, or it cannot be read completely.
+pub fn read_picture(path: &Path) -> Result<ReadPicture, ReadPictureError> {
+    let decoder = decoder(path, None)?;
+    let (width, height) = decoder.dimensions();
+    let numbers = DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgb32f().into_raw();
+    let (colours, _) = numbers.as_chunks::<3>();
+    let numbers = Frame { width, height, linear: colours.to_vec() };
+    Ok(ReadPicture { numbers, is_linear: Format::of(path) == Some(Format::Exr) })
+}
+
 /// Whether there is a complete picture of this width and height. A file can be damaged anywhere, so checksums are
 /// compared where the format has them, and other pictures are decoded.
 ///
@@ -47,7 +69,7 @@ pub fn read_linear(path: &Path, size: [u32; 2]) -> Result<Frame, ReadPictureErro
 /// There is a file that is no complete picture.
 pub fn is_complete(path: &Path, size: [u32; 2]) -> Result<bool, ReadPictureError> {
     let outcome = match Format::of(path) {
-        Some(Format::Png) => decoder(path, size).and_then(|_| check_chunks(path)),
+        Some(Format::Png) => decoder(path, Some(size)).and_then(|_| check_chunks(path)),
         Some(Format::Bmp | Format::Exr) | None => decode(path, size).map(|_| ()),
     };
     match outcome {
@@ -93,11 +115,11 @@ fn damaged(error: image::ImageError) -> ReadPictureError {
 }
 
 fn decode(path: &Path, size: [u32; 2]) -> Result<DynamicImage, ReadPictureError> {
-    DynamicImage::from_decoder(decoder(path, size)?).map_err(damaged)
+    DynamicImage::from_decoder(decoder(path, Some(size))?).map_err(damaged)
 }
 
-/// Reads the header of a picture, which must have this size.
-fn decoder(path: &Path, size: [u32; 2]) -> Result<impl ImageDecoder, ReadPictureError> {
+/// Reads the header of a picture, which must have this size, if one is given.
+fn decoder(path: &Path, size: Option<[u32; 2]>) -> Result<impl ImageDecoder, ReadPictureError> {
     let (file, _) = opened(path)?;
     let nameless = || ReadPictureError::Unreadable("its suffix names no format of pictures".to_owned());
     let format = Format::of(path).ok_or_else(nameless)?;
@@ -109,7 +131,7 @@ fn decoder(path: &Path, size: [u32; 2]) -> Result<impl ImageDecoder, ReadPicture
     });
     let decoder = reader.into_decoder().map_err(damaged)?;
     let (width, height) = decoder.dimensions();
-    if [width, height] != size {
+    if size.is_some_and(|size| [width, height] != size) {
         return Err(ReadPictureError::Size([width, height]));
     }
     Ok(decoder)
@@ -131,7 +153,11 @@ mod tests {
             assert!(is_complete(&path, [3, 2]).unwrap());
             assert!(matches!(is_complete(&path, [2, 3]), Err(ReadPictureError::Size([3, 2]))));
             match format {
-                Format::Exr => assert_eq!(read_linear(&path, [3, 2]).unwrap(), frame),
+                Format::Exr => {
+                    assert_eq!(read_linear(&path, [3, 2]).unwrap(), frame);
+                    let read = ReadPicture { numbers: frame.clone(), is_linear: true };
+                    assert_eq!(read_picture(&path).unwrap(), read);
+                }
                 Format::Png | Format::Bmp => {
                     let view = ViewTransform::from(Transfer::Linear);
                     assert_eq!(read_bitmap(&path, [3, 2]).unwrap(), Bitmap::new(&frame, view));

@@ -41,10 +41,9 @@ const ROOMS: [(&str, &[&str]); 30] = [
     ),
     // Instruments make charts of what they find.
     ("plot", &["picture"]),
-    ("instrument", &["lang", "formula", "plan", "jit", "evaluate", "plot"]),
+    ("instrument", &["measured", "lang", "formula", "plan", "jit", "evaluate", "plot"]),
     ("engine", &["lang", "formula", "scene", "world", "trace", "picture", "evaluate", "backends"]),
     ("sensitivity", &["lang", "formula", "world", "trace", "picture", "evaluate", "engine"]),
-    ("fit", &["lang", "formula", "picture", "instrument", "sensitivity"]),
     (
         "workspace",
         &[
@@ -63,6 +62,7 @@ const ROOMS: [(&str, &[&str]); 30] = [
             "picture",
         ],
     ),
+    ("fit", &["measured", "lang", "formula", "trace", "picture", "engine", "instrument", "sensitivity", "workspace"]),
     ("import", &["files", "lang", "mesh", "scene", "trace", "picture", "workspace"]),
     ("assist", &["lang", "formula", "scene", "workspace"]),
     // Settings name a backend, and the transfer of new sessions.

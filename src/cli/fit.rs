@@ -1,0 +1,281 @@
+//! `illuminator fit`: values of parameters with which a formula comes near to measured reflectance, or its picture to
+//! another picture.
+
+mod charts;
+mod report;
+
+use crate::cli::engine::{self, on_threads};
+use crate::cli::input::load;
+use crate::cli::options::{InputOptions, PassOptions, read, whole};
+use crate::cli::output::{check_distinct, check_file};
+use crate::cli::progress::Progress;
+use crate::cli::report::{Failure, print, print_json, warn};
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser};
+use illuminator::backends::DEFAULT;
+use illuminator::engine::Task;
+use illuminator::fit::directions::LARGEST_ANGLE;
+use illuminator::fit::metric::{METRICS, Metric};
+use illuminator::fit::request::{self, FittedOwners, FreeName, FreeNameError};
+use illuminator::fit::samples::{FitSample, samples_of};
+use illuminator::fit::solve::{FitOptions, FitProgress, Solution, solve};
+use illuminator::fit::unknowns::Unknowns;
+use illuminator::lang::diagnostic::{Diagnostic, nearest};
+use illuminator::lang::display_text::one_line;
+use illuminator::lang::variables::Owner;
+use illuminator::measured::{MeasuredMaterial, Measurement};
+use illuminator::picture::{Format, Frame, read_picture};
+use illuminator::workspace::project::Project;
+use illuminator::workspace::session::Session;
+use illuminator::workspace::{OwnerId, Values};
+use report::FitReport;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+/// Options of `fit`.
+#[derive(Args, Debug)]
+pub(super) struct Options {
+    #[command(flatten)]
+    input: InputOptions,
+    #[command(flatten)]
+    passes: PassOptions,
+    /// What the formula is to come near to: a measured material (.binary of MERL, .bsdf of RGL), a list of samples
+    /// (.csv), or a picture of the same scene (.exr, .png or .bmp)
+    #[arg(long, value_name = "FILE")]
+    to: PathBuf,
+    /// Parameters that may move, as in kd,h or ball.kd=0..0.5 [default: the smooth ones of the body]
+    #[arg(long, value_name = "NAMES", value_parser = read::<FreeName>, value_delimiter = ',')]
+    free: Vec<FreeName>,
+    /// The body whose values are fitted [default: the first one]
+    #[arg(long, value_name = "NAME")]
+    body: Option<String>,
+    /// The light whose values count [default: the first one]
+    #[arg(long, value_name = "NAME")]
+    light: Option<String>,
+    /// What is compared [default: cosine; for pictures the colours themselves, or log(1 + colour)]
+    #[arg(long, value_name = "NAME", value_parser = metrics())]
+    metric: Option<String>,
+    /// Starts: the values at hand, and others spread over the ranges, 1 to 1000
+    #[arg(long, value_name = "N", value_parser = whole(1_u32..=1000), default_value = "8", allow_negative_numbers = true)]
+    starts: u32,
+    /// Pairs of directions at which a measured material is compared, 100 to 1000000
+    #[arg(long, value_name = "N", value_parser = whole(100_usize..=1_000_000), default_value = "10000",
+        allow_negative_numbers = true)]
+    directions: usize,
+    /// Compare a measured material up to this angle from the normal, in degrees
+    #[arg(long, value_name = "DEGREES", value_parser = whole(10_u32..=89), default_value_t = LARGEST_ANGLE as u32,
+        allow_negative_numbers = true)]
+    within: u32,
+    /// Write a session with the fitted values
+    #[arg(long = "output", short, value_name = "SESSION.toml")]
+    output: Option<PathBuf>,
+    /// Draw the data, and the formula before and after (.png or .svg)
+    #[arg(long, value_name = "CHART")]
+    chart: Option<PathBuf>,
+    /// Print the result as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+fn metrics() -> PossibleValuesParser {
+    PossibleValuesParser::new(METRICS.iter().map(|metric| PossibleValue::new(metric.name).help(metric.doc)))
+}
+
+/// What a formula is fitted to.
+enum FitTarget {
+    Material(Arc<MeasuredMaterial>, Vec<FitSample>),
+    Samples(Vec<FitSample>),
+    Picture(illuminator::fit::picture::TargetPicture),
+}
+
+/// What came out of a fit.
+pub(super) struct FitOutcome {
+    solution: Solution,
+    unknowns: Unknowns,
+    values: Values,
+    /// At how many samples the formula is no number, of how many.
+    undefined: Option<[usize; 2]>,
+    /// The pictures before and after, of a fit to a picture.
+    pictures: Option<[Frame; 2]>,
+    seconds: f64,
+}
+
+/// Fits.
+pub(super) fn run(options: &Options) -> Result<(), Failure> {
+    for path in options.output.iter().chain(&options.chart) {
+        check_file(path)?;
+    }
+    let chart = options.chart.as_deref().map(charts::ChartFile::new).transpose()?;
+    let mut project = load(&options.input, &options.passes)?;
+    project.files.push(options.to.clone());
+    for path in options.output.iter().chain(&options.chart) {
+        check_distinct(path, &project.files)?;
+    }
+    let owners = owners(options, &project)?;
+    let target = target(options, &mut project)?;
+    let unknowns = unknowns(options, &project, owners)?;
+    let cancelled = cancelled_by_signals();
+    let outcome = on_threads(&options.input.machine, || fit(options, &project, owners, &target, unknowns, &cancelled))??;
+    if outcome.solution.cancelled {
+        warn("the fit was cancelled; these are the best values so far");
+    }
+    let described = described(&project, owners);
+    let report = FitReport::new(&described, &one_line(&options.to.to_string_lossy()), metric(options), &project, &outcome);
+    if options.json {
+        print_json(&report)?;
+    } else {
+        print(&report::table(&report))?;
+    }
+    if let Some(path) = &options.output {
+        let session = Session {
+            formula: project.formula_location.clone(),
+            scene: project.scene_location.clone(),
+            picture: project.picture,
+            values: Session::name_values(&outcome.values),
+        };
+        let failed = |error: std::io::Error| Failure::input(format!("cannot write `{}`: {error}", path.display()));
+        session.save(path).map_err(failed)?;
+    }
+    if let Some(chart) = chart {
+        chart.write(&charts::chart(&project, owners, &target, &outcome, &described))?;
+    }
+    Ok(())
+}
+
+fn metric(options: &Options) -> Metric {
+    options.metric.as_deref().and_then(Metric::named).unwrap_or(METRICS[0])
+}
+
+/// A flag that is set by signals that end the program. The fit ends then, and reports the best values so far.
+fn cancelled_by_signals() -> Arc<AtomicBool> {
+    let cancelled = Arc::new(AtomicBool::new(false));
+    #[cfg(unix)]
+    {
+        use crate::cli::signals::{Closing, close_first};
+        use std::sync::atomic::Ordering;
+        struct EndingFit(Arc<AtomicBool>);
+        impl Closing for EndingFit {
+            fn close(&self) {
+                self.0.store(true, Ordering::Relaxed);
+            }
+
+            fn last_resort(&self) {}
+        }
+        close_first(EndingFit(Arc::clone(&cancelled)));
+    }
+    cancelled
+}
+
+/// The body and the light that are fitted.
+fn owners(options: &Options, project: &Project) -> Result<FittedOwners, Failure> {
+    let all = project.values.table().owners();
+    let of = |kind: Owner, noun: &str, wanted: &Option<String>| -> Result<Option<OwnerId>, Failure> {
+        let Some(name) = wanted else { return Ok(all.of_kind(kind).next()) };
+        let found = all.of_kind(kind).find(|owner| all.name(*owner) == Some(name.as_str()));
+        found.map(Some).ok_or_else(|| {
+            let names = all.of_kind(kind).filter_map(|owner| all.name(owner));
+            let near = nearest(name, names).map(|near| format!("did you mean `{near}`?"));
+            Failure::CommandLine(Diagnostic::error(format!("there is no {noun} `{name}`")).help_if(near))
+        })
+    };
+    Ok(FittedOwners { body: of(Owner::Body, "body", &options.body)?, light: of(Owner::Light, "light", &options.light)? })
+}
+
+/// Reads what is fitted to. The picture of the project gets the size of a picture that is to be reached.
+fn target(options: &Options, project: &mut Project) -> Result<FitTarget, Failure> {
+    let path = &options.to;
+    if Format::of(path).is_some() {
+        return picture_target(options, project, path);
+    }
+    let read = Measurement::read(path).map_err(|error| {
+        let hint = error.hint.clone();
+        Failure::Input(Diagnostic::error(error.to_string()).help_if(hint))
+    })?;
+    Ok(match read {
+        Measurement::Material(material) => {
+            let samples = samples_of(material.as_ref(), options.directions, f64::from(options.within));
+            FitTarget::Material(material, samples)
+        }
+        Measurement::Samples(list) => FitTarget::Samples(request::listed_samples(&list)),
+    })
+}
+
+fn picture_target(options: &Options, project: &mut Project, path: &Path) -> Result<FitTarget, Failure> {
+    let unreadable = |why: String| Failure::input(format!("cannot read the picture `{}`: {why}", path.display()));
+    let read = read_picture(path).map_err(|error| unreadable(error.to_string()))?;
+    let size = [read.numbers.width, read.numbers.height];
+    if options.input.size.is_some_and(|wanted| wanted != size) {
+        return Err(unreadable(format!("it has {}×{} pixels, and `--size` says otherwise", size[0], size[1])));
+    }
+    project.picture.size = size;
+    project.subject.view =
+        illuminator::workspace::project::view(&project.picture).map_err(|error| unreadable(error.to_string()))?;
+    let target = request::target(read, &project.picture.view).map_err(unreadable)?;
+    Ok(FitTarget::Picture(target))
+}
+
+/// The numbers that may move.
+fn unknowns(options: &Options, project: &Project, owners: FittedOwners) -> Result<Unknowns, Failure> {
+    let (formula, table) = (&project.subject.formula, project.values.table());
+    let wrong = |error: FreeNameError| Failure::CommandLine(Diagnostic::error(error.to_string()).help_if(error.hint()));
+    let free = match options.free.is_empty() {
+        true => request::usual(table, formula, owners),
+        false => {
+            let found = options.free.iter().map(|name| request::named(name, table, formula, owners));
+            found.collect::<Result<Vec<_>, _>>().map_err(wrong)?
+        }
+    };
+    request::unknowns(&free, formula, &project.values).map_err(|error| Failure::command_line(error.to_string()))
+}
+
+fn fit(
+    options: &Options,
+    project: &Project,
+    owners: FittedOwners,
+    target: &FitTarget,
+    unknowns: Unknowns,
+    cancelled: &AtomicBool,
+) -> Result<FitOutcome, Failure> {
+    let (formula, metric) = (&project.subject.formula, metric(options));
+    let fit_options = FitOptions { starts: options.starts };
+    let start = Instant::now();
+    let progress = Progress::new("fitting");
+    let tell = |told: FitProgress| progress.tell(told.share);
+    let (solution, undefined, pictures) = match target {
+        FitTarget::Material(_, samples) | FitTarget::Samples(samples) => {
+            let misfit = request::sample_misfit(formula, &project.values, owners, &unknowns, samples, metric);
+            let solution = solve(&misfit, &unknowns, fit_options, &tell, cancelled);
+            let undefined = [misfit.undefined(&solution.values), samples.len()];
+            (solution, Some(undefined), None)
+        }
+        FitTarget::Picture(target) => {
+            let engine = engine::engine(&DEFAULT, &options.input.machine);
+            let subject = &project.subject;
+            let hits = {
+                let tracing = Progress::of_passes("tracing", project.picture.passes());
+                let tell = |share: f64| tracing.tell(share);
+                request::traced(&engine, subject, project.picture.passes(), &Task { progress: &tell, cancelled })
+            };
+            let hits = hits.map_err(engine::failed)?;
+            let target = (target.clone(), metric);
+            let misfit = request::picture_misfit(&engine, subject, &hits, &project.values, &unknowns, target);
+            let misfit = misfit.map_err(engine::failed)?;
+            let solution = solve(&misfit, &unknowns, fit_options, &tell, cancelled);
+            let pictures = [unknowns.start(), solution.values.clone()].map(|values| misfit.picture(&values));
+            (solution, None, Some(pictures))
+        }
+    };
+    let seconds = start.elapsed().as_secs_f64();
+    let values = request::fitted(&project.values, &unknowns, &solution);
+    Ok(FitOutcome { solution, unknowns, values, undefined, pictures, seconds })
+}
+
+/// What is fitted, in words.
+fn described(project: &Project, owners: FittedOwners) -> String {
+    let all = project.values.table().owners();
+    let names = [owners.body, owners.light].into_iter().flatten().filter_map(|owner| all.name(owner));
+    let names: Vec<&str> = names.collect();
+    one_line(&format!("{} with {}", project.formula_location, names.join(" under ")))
+}
