@@ -17,7 +17,7 @@ use illuminator::engine::Task;
 use illuminator::fit::directions::LARGEST_ANGLE;
 use illuminator::fit::metric::{METRICS, Metric};
 use illuminator::fit::request::{self, FittedOwners, FreeName, FreeNameError};
-use illuminator::fit::samples::{FitSample, samples_of};
+use illuminator::fit::samples::{FitSample, samples_of_material};
 use illuminator::fit::solve::{FitOptions, FitProgress, Solution, solve};
 use illuminator::fit::unknowns::Unknowns;
 use illuminator::lang::diagnostic::{Diagnostic, nearest};
@@ -195,7 +195,7 @@ fn target(options: &Options, project: &mut Project) -> Result<FitTarget, Failure
     })?;
     Ok(match read {
         Measurement::Material(material) => {
-            let samples = samples_of(material.as_ref(), options.directions, f64::from(options.within));
+            let samples = samples_of_material(&material, options.directions, f64::from(options.within));
             FitTarget::Material(material, samples)
         }
         Measurement::Samples(list) => FitTarget::Samples(request::listed_samples(&list)),

@@ -8,6 +8,8 @@ use crate::fit::unknowns::FitNumber;
 use crate::formula::{Formula, ParameterId};
 use crate::instrument::model::{ModelProgram, ParameterNumbers, Place, PreparedPairs};
 use crate::instrument::{DirectionPair, Reflectance};
+use crate::measured::MeasuredMaterial;
+use glam::Vec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -22,17 +24,34 @@ pub struct FitSample {
     pub weight: f64,
 }
 
-/// Samples of a model, at about this many pairs of directions within `largest` degrees of the normal.
+/// Samples of a model, at this many pairs of directions within `largest` degrees of the normal.
 pub fn samples_of(model: &dyn Reflectance, count: usize, largest: f64) -> Vec<FitSample> {
-    let directions = pairs(count, largest);
-    let plain: Vec<DirectionPair> = directions.iter().map(|weighted| weighted.pair).collect();
+    at_pairs(model, &pairs(count, largest))
+}
+
+/// Samples of a measured material, at about this many pairs of directions within `largest` degrees of the normal. If it
+/// is a table, they are entries of the table, so that nothing is interpolated.
+pub fn samples_of_material(material: &MeasuredMaterial, count: usize, largest: f64) -> Vec<FitSample> {
+    let limit = largest.to_radians().cos();
+    let entry = |weighted: &WeightedPair| {
+        let [light, view] = [weighted.pair.light, weighted.pair.view].map(|direction| Vec3::from(direction).as_dvec3());
+        let [light, view] = material.nearest_sample(light, view).unwrap_or([light, view]);
+        let pair = DirectionPair { light: light.as_vec3().to_array(), view: view.as_vec3().to_array() };
+        (light.z >= limit && view.z >= limit).then_some(WeightedPair { pair, ..*weighted })
+    };
+    let entries: Vec<WeightedPair> = pairs(count, largest).iter().filter_map(entry).collect();
+    at_pairs(material, &entries)
+}
+
+fn at_pairs(model: &dyn Reflectance, pairs: &[WeightedPair]) -> Vec<FitSample> {
+    let plain: Vec<DirectionPair> = pairs.iter().map(|weighted| weighted.pair).collect();
     let values = model.values(&plain);
     let sample = |(weighted, value): (&WeightedPair, &[f32; 3])| FitSample {
         pair: weighted.pair,
         value: value.map(|component| f64::from(component) / PI),
         weight: weighted.weight,
     };
-    directions.iter().zip(&values).map(sample).collect()
+    pairs.iter().zip(&values).map(sample).collect()
 }
 
 /// A formula that is compared with samples.

@@ -4,15 +4,19 @@ use crate::engine::{Engine, Subject, Task};
 use crate::fit::directions::{LARGEST_ANGLE, pairs};
 use crate::fit::metric::{METRICS, Metric};
 use crate::fit::picture::{PictureMisfit, TargetPicture};
-use crate::fit::samples::{FitSample, SampleMisfit, samples_of};
+use crate::fit::samples::{FitSample, SampleMisfit, samples_of, samples_of_material};
 use crate::fit::solve::{FitOptions, Solution, solve};
 use crate::fit::unknowns::{FitNumber, FreeParameter, Unknowns};
 use crate::formula::{Formula, ParameterId};
 use crate::instrument::model::{FormulaModel, ModelProgram, ParameterNumbers, Place, default_numbers};
 use crate::lang::source::Source;
+use crate::measured::Measurement;
 use crate::sensitivity::Sensitivity;
 use crate::trace::View;
 use crate::workspace::{FileKind, NamedAssignment, Values, presets};
+use glam::DVec3;
+use std::f64::consts::PI;
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -72,6 +76,53 @@ fn parameters_of_built_in_formulas_are_found_again() {
                 let parameter = &formula.parameter(number.parameter).name;
                 assert!(near, "{name}, {}: {parameter} {found}, {wanted}: {solution:?}", metric.name);
             }
+        }
+    }
+}
+
+/// The microfacet model of Walter and others (2007) with the distribution GGX over a matte surface, as the paper gives
+/// it, in double precision.
+fn ggx(width: f64, index: f64, matte: DVec3, light: DVec3, view: DVec3) -> DVec3 {
+    let half = (light + view).normalize();
+    let cosine = half.z;
+    let square = width * width;
+    let distribution = square / (PI * (cosine * cosine * (square - 1.0) + 1.0).powi(2));
+    let masked = |direction: DVec3| {
+        let tangent = (1.0 - direction.z * direction.z).max(0.0) / (direction.z * direction.z);
+        2.0 / (1.0 + (1.0 + square * tangent).sqrt())
+    };
+    let c = light.dot(half).abs();
+    let g = (index * index - 1.0 + c * c).sqrt();
+    let fresnel = 0.5 * ((g - c) / (g + c)).powi(2) * (1.0 + ((c * (g + c) - 1.0) / (c * (g - c) + 1.0)).powi(2));
+    let specular = distribution * masked(light) * masked(view) * fresnel / (4.0 * light.z * view.z);
+    DVec3::splat(specular) + matte / PI
+}
+
+#[test]
+fn parameters_of_a_file_of_measurements_are_found_again() {
+    let text = "body_specific; a: scalar, constraint 0.02..1, default 0.5; n: scalar, constraint 1.05..3, default 1.4; formula;
+        c = max(0, L.H); g = sqrt(n^2 - 1 + c^2);
+        F = 0.5*((g - c)/(g + c))^2*(1 + ((c*(g + c) - 1)/(c*(g - c) + 1))^2);
+        D = a^2/(pi*((N.H)^2*(a^2 - 1) + 1)^2);
+        G(x) = 2/(1 + sqrt(1 + a^2*(1 - x^2)/x^2));
+        = IL*max(0, N.L)*(Cd + <pi*D*F*G(N.L)*G(N.V)/(4*(N.L)*(N.V))>);";
+    let (formula, _) = Formula::parse(&Source::new("ggx", text)).unwrap();
+    let truth = [0.13, 1.7, 0.4, 0.25, 0.1];
+    let matte = DVec3::new(truth[2], truth[3], truth[4]);
+    let file = crate::measured::merl::bytes(|light, view| ggx(truth[0], truth[1], matte, light, view));
+    let material = Measurement::of_bytes("ggx.binary", &file).unwrap().material(Path::new("ggx.binary")).unwrap();
+    let samples = samples_of_material(&material, 5000, LARGEST_ANGLE);
+    assert!(samples.len() > 4000, "{}", samples.len());
+    let free =
+        ["a", "n", "Cd"].map(|name| FreeParameter { parameter: formula.parameter_named(name).unwrap(), owner: 0, range: None });
+    let start = default_numbers(&formula);
+    let unknowns = Unknowns::new(&formula, &free, &|id, _| start[id.0 as usize]).unwrap();
+    for metric in METRICS {
+        let place = Place::default();
+        let misfit = SampleMisfit::new(&formula, start.clone(), &place, unknowns.numbers(), &samples, metric);
+        let solution = solve(&misfit, &unknowns, FitOptions { starts: 4 }, &|_| (), &AtomicBool::new(false));
+        for (found, wanted) in solution.values.iter().zip(truth) {
+            assert!((found - wanted).abs() < 1e-3 * wanted, "{}: {found}, {wanted}: {solution:?}", metric.name);
         }
     }
 }

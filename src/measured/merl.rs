@@ -13,7 +13,7 @@
 //! those below the measured range, and count as 0.
 
 use crate::measured::error::Flaw;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// How many samples there are of θh, θd and φd.
@@ -178,6 +178,18 @@ fn directions([theta_h, theta_d, phi_d]: [usize; 3]) -> [DVec3; 2] {
     let (x, y) = (sin_d * cos_phi, sin_d * sin_phi);
     let light = DVec3::new(x * cos_h + cos_d * sin_h, y, cos_d * cos_h - x * sin_h);
     [light, DVec3::new(sin_h, 0.0, cos_h) * (2.0 * cos_d) - light]
+}
+
+/// Light and view in the middle of the cell that these unit vectors lie in, turned about the normal as they are. They may
+/// lie below the horizon.
+pub fn middle_of_cell(light: DVec3, view: DVec3) -> [DVec3; 2] {
+    let places = coordinates(light, view);
+    let found = directions([0, 1, 2].map(|axis| (places[axis] as usize).min(SIZES[axis] - 1)));
+    let half = (light + view).normalize_or(DVec3::Z);
+    let around = DMat3::from_rotation_z(half.y.atan2(half.x));
+    let [one, other] = found.map(|direction| around * direction);
+    // A cell is also that of light and view in the other order. The nearer one is meant.
+    if one.dot(light) + other.dot(view) >= one.dot(view) + other.dot(light) { [one, other] } else { [other, one] }
 }
 
 /// The direction, raised to the horizon if it is below.

@@ -227,6 +227,15 @@ impl MeasuredMaterial {
         DVec3::from_array(value.to_array().map(|value| if value.is_finite() { value.clamp(0.0, LARGEST) } else { 0.0 }))
     }
 
+    /// Light and view near these unit vectors at which it was measured. `None` if every pair of directions is
+    /// interpolated. Those of a sample may lie below the horizon.
+    pub fn nearest_sample(&self, light: DVec3, view: DVec3) -> Option<[DVec3; 2]> {
+        match &self.form {
+            StoredForm::Merl(_) => Some(merl::middle_of_cell(light, view)),
+            StoredForm::Rgl(_) => None,
+        }
+    }
+
     /// The bytes of memory that it takes, about.
     pub fn bytes(&self) -> u64 {
         match &self.form {

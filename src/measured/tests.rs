@@ -308,3 +308,21 @@ proptest! {
         is_error_or_finite(&[beginning, &bytes].concat());
     }
 }
+
+#[test]
+fn samples_of_merl_files_are_found_near_any_directions() {
+    let model = |light: DVec3, view: DVec3| DVec3::splat((light.dot(view) + light.z * view.z).abs());
+    let material = material(&merl::bytes(model));
+    for (index, line) in table::<12>("merl_indices.csv").iter().enumerate() {
+        let [light, view] = [[line[0], line[1], line[2]], [line[3], line[4], line[5]]].map(DVec3::from_array);
+        let [one, other] = material.nearest_sample(light, view).expect("a file of samples");
+        assert!((one.length() - 1.0).abs() < 1e-12 && (other.length() - 1.0).abs() < 1e-12);
+        // A cell is at most 1.2 degrees wide, but for those at the end of the square root.
+        let near = one.dot(light).min(other.dot(view)).acos().to_degrees();
+        assert!(near < 2.5, "line {index}: {near} degrees");
+        if one.z > 0.01 && other.z > 0.01 {
+            let (found, wanted) = (material.value(one, other).x, model(one, other).x);
+            assert!((found - wanted).abs() < 1e-5, "line {index}: {found} {wanted}");
+        }
+    }
+}
