@@ -8,6 +8,7 @@ mod endings;
 mod export;
 mod farm;
 mod files;
+mod fit;
 mod fmt;
 mod habits;
 mod hits;

@@ -1,0 +1,126 @@
+//! Fits by the real program: known values come back, and mistakes are told.
+
+use crate::{folder, run, told, write};
+use illuminator::measured::merl;
+use serde_json::Value;
+use std::path::Path;
+
+/// A ball and a floor, small.
+const SESSION: &str = "version = 1\nformula = \"model.formula\"\nscene = \"small.scene\"\nsize = [40, 30]\n";
+const SCENE: &str = "bodies; ball: sphere, center <0,1,0>, radius 1; floor: rectangle, <-4,0,-4>, <4,0,-4>, <4,0,4>;
+lights; key: point, <4,6,5>; camera; position <0,1.6,6>; gaze <0,-0.1,-1>; up <0,1,0>; fov 45;\n";
+const FORMULA: &str = "body_specific; kd: scalar, constraint 0..1, default 0.5; ks: scalar, constraint 0..1;
+h: scalar, constraint 1..500, default 50; kind: scalar, switch; invariants; ks + kd = 1;
+formula; = IL*(kd*Cd*max(0, N.L) + <ks*(h + 2)/8*max(0, N.H)^h>*max(0, N.L));\n";
+
+fn prepared() -> tempfile::TempDir {
+    let folder = folder();
+    write(&folder, "model.formula", FORMULA);
+    write(&folder, "small.scene", SCENE);
+    write(&folder, "small.toml", SESSION);
+    folder
+}
+
+fn fitted(folder: &Path, arguments: &str) -> Value {
+    let output = run(folder, &format!("fit small.toml --json {arguments}"));
+    assert_eq!(output.status.code(), Some(0), "{arguments}: {}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+/// The value that a parameter has after a fit.
+fn after(found: &Value, name: &str) -> f64 {
+    let parameters = found["parameters"].as_array().expect("parameters");
+    let found = parameters.iter().find(|parameter| parameter["name"] == name);
+    found.unwrap_or_else(|| panic!("no {name} in {parameters:?}"))["after"].as_f64().expect("a number")
+}
+
+fn near(found: f64, wanted: f64) {
+    assert!((found - wanted).abs() <= 1e-3 * wanted.abs(), "{found}, not {wanted}");
+}
+
+#[test]
+fn values_of_a_picture_come_back_in_a_session() {
+    let folder = prepared();
+    let made = run(folder.path(), "render small.toml --set ball.ks=0.3 --set ball.h=20 --set floor.kr=0.25 -o wanted.exr");
+    assert_eq!(made.status.code(), Some(0));
+    let found = fitted(folder.path(), "--to wanted.exr --free ks,h,floor.kr --starts 3 -o found.toml --chart found.svg");
+    for (name, wanted) in [("ball.ks", 0.3), ("ball.h", 20.0), ("floor.kr", 0.25), ("ball.kd", 0.7)] {
+        near(after(&found, name), wanted);
+    }
+    assert_eq!((&found["cancelled"], &found["undetermined"]), (&Value::Bool(false), &Value::Array(Vec::new())));
+    // The session makes the same picture.
+    for name in ["found.toml", "wanted.exr"] {
+        assert!(folder.path().join(name).is_file());
+    }
+    let again = run(folder.path(), "render found.toml -o again.exr");
+    assert_eq!(again.status.code(), Some(0));
+    let read = |name: &str| illuminator::picture::read_picture(&folder.path().join(name)).expect("a picture").numbers;
+    let (wanted, again) = (read("wanted.exr"), read("again.exr"));
+    let pixels = wanted.linear.as_flattened().iter().zip(again.linear.as_flattened());
+    let worst = pixels.map(|(one, other)| (one - other).abs()).fold(0.0, f32::max);
+    assert!(worst < 2e-3, "{worst}");
+    let chart = std::fs::read_to_string(folder.path().join("found.svg")).expect("a chart");
+    assert!(["wanted", "before", "after"].iter().all(|word| chart.contains(word)), "{chart}");
+}
+
+#[test]
+fn bytes_of_a_picture_are_decoded() {
+    let folder = prepared();
+    let made = run(folder.path(), "render small.toml --set ball.ks=0.6 --set ball.h=10 -o wanted.png");
+    assert_eq!(made.status.code(), Some(0));
+    let found = fitted(folder.path(), "--to wanted.png --free ks,h --starts 2");
+    // Bytes are rounded.
+    assert!((after(&found, "ball.ks") - 0.6).abs() < 0.01, "{found}");
+    assert!((after(&found, "ball.h") - 10.0).abs() < 0.3, "{found}");
+}
+
+#[test]
+fn values_of_a_measured_material_come_back() {
+    let folder = prepared();
+    let model = |light: glam::DVec3, view: glam::DVec3| {
+        let half = (light + view).normalize();
+        let gloss = 0.4 * (30.0 + 2.0) / 8.0 * half.z.max(0.0).powi(30);
+        (0.6 * glam::DVec3::new(0.8, 0.4, 0.2) + glam::DVec3::splat(gloss)) / std::f64::consts::PI
+    };
+    std::fs::write(folder.path().join("known.binary"), merl::bytes(model)).expect("a file");
+    let found = fitted(folder.path(), "--to known.binary --free ks,h,Cd --directions 3000 --starts 4 --chart balls.png");
+    for (name, wanted) in
+        [("ball.ks", 0.4), ("ball.kd", 0.6), ("ball.h", 30.0), ("ball.Cd.r", 0.8), ("ball.Cd.g", 0.4), ("ball.Cd.b", 0.2)]
+    {
+        near(after(&found, name), wanted);
+    }
+    let chart = illuminator::picture::read_picture(&folder.path().join("balls.png")).expect("a chart");
+    assert_eq!((chart.numbers.width, chart.numbers.height), (1200, 440));
+    let first = chart.numbers.linear[0];
+    assert!(chart.numbers.linear.iter().any(|pixel| *pixel != first));
+    let logarithmic = fitted(folder.path(), "--to known.binary --free ks,h,Cd --directions 3000 --starts 4 --metric log");
+    near(after(&logarithmic, "ball.h"), 30.0);
+}
+
+#[test]
+fn mistakes_are_told_with_the_likely_fix() {
+    let folder = prepared();
+    write(&folder, "bad.csv", "theta_i,phi_i,theta_o,phi_o,r,g,b\n10,0,20\n");
+    write(&folder, "one.csv", "0,0,0,0,0.3,0.3,0.3\n");
+    let cases = [
+        ("--to missing.binary", "missing.binary", 1),
+        ("--to bad.csv", "line 2", 1),
+        ("--to one.csv --free hh", "did you mean `h`?", 2),
+        ("--to one.csv --free bal.kd", "did you mean `ball`?", 2),
+        ("--to one.csv --free kd", "follows from others", 2),
+        ("--to one.csv --free kind", "cannot be fitted", 2),
+        ("--to one.csv --free h=0..10", "do not lie within its range", 2),
+        ("--to one.csv --free key.h", "it is a body parameter", 2),
+        ("--to one.csv --free h=5", "kd=0..0.5", 2),
+        ("--to one.csv --body flor", "did you mean `floor`?", 2),
+        ("--to one.csv --chart found.gif", "neither .png nor .svg", 2),
+        ("--to small.toml", "small.toml", 1),
+        ("--to one.csv -o small.toml", "overwrite", 2),
+    ];
+    for (arguments, wanted, status) in cases {
+        let said = told(folder.path(), &format!("fit small.toml {arguments}"));
+        assert!(said.contains(wanted) && said.ends_with(&format!("exit status {status}\n")), "{arguments}: {said}");
+    }
+    // Nothing was written.
+    assert_eq!(std::fs::read_to_string(folder.path().join("small.toml")).expect("a session"), SESSION);
+}
