@@ -32,7 +32,8 @@ pub fn load(path: &Path) -> Result<f32, Diagnostic> {
         Diagnostic::error(format!("cannot read the measured material `{}`: {error}", path.display()))
     };
     let (file, metadata) = measured::open(path).map_err(told)?;
-    let stamp = FileStamp::new(path, &metadata);
+    // There are many ways to write a path.
+    let stamp = FileStamp::new(&path.canonicalize().unwrap_or_else(|_| path.to_owned()), &metadata);
     let mut read = READ.lock().unwrap_or_else(PoisonError::into_inner);
     let read = read.get_or_insert_default();
     if let Some(number) = read.get(&stamp) {
@@ -53,5 +54,46 @@ pub fn read_materials(formula: &mut Formula, folder: &Path, diagnostics: &mut Di
             Ok(number) => material.number = number,
             Err(error) => diagnostics.push(error.at(material.span, "named here")),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lang::source::Source;
+    use crate::workspace::Location;
+    use crate::workspace::textures::parse_formula;
+    use std::fs;
+    use std::time::SystemTime;
+
+    const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/reference/measured/isotropic_rgb.bsdf");
+
+    #[test]
+    fn a_file_is_read_once_until_it_changes() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let folder = folder.path();
+        fs::create_dir(folder.join("models")).expect("a folder");
+        fs::copy(FILE, folder.join("gold.bsdf")).expect("copied");
+        let read = |path: &str, text: &str| {
+            let source = Source::new("m", format!("formula; = {text};"));
+            let (formula, _) = parse_formula(&source, &Location::File(folder.join(path))).expect("a formula");
+            formula.materials.iter().map(|material| material.number).collect::<Vec<f32>>()
+        };
+        let first = read("a.formula", "measured(\"gold.bsdf\") + measured(\"gold.bsdf\", V, L)");
+        assert_eq!(first.len(), 1, "one file");
+        assert_eq!(kept::path_of(first[0]), Some(folder.join("gold.bsdf").as_path()));
+        assert_eq!(read("b.formula", "measured(\" gold.bsdf \")"), first);
+        let other = read("models/c.formula", "measured(\"../gold.bsdf\") + measured(\"../gold.bsdf\")*2");
+        // Another way to the same file is the same file.
+        assert_eq!(other, first);
+        let file = fs::File::options().write(true).open(folder.join("gold.bsdf")).expect("a file");
+        file.set_modified(SystemTime::UNIX_EPOCH).expect("changed");
+        assert_ne!(read("a.formula", "measured(\"gold.bsdf\")"), first);
+    }
+
+    #[test]
+    fn formulas_that_were_not_loaded_have_no_material() {
+        let (formula, _) = Formula::parse(&Source::new("m", "formula; = measured(\"gold.bsdf\");")).expect("a formula");
+        assert_eq!(formula.materials[0].number, 0.0);
     }
 }

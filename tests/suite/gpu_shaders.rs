@@ -16,7 +16,7 @@ fn tolerance(formula: &Formula) -> f32 {
     let uses = |wanted: &[Operation]| {
         formula.terms.iter().any(|term| match term {
             Term::Apply(operation, _) | Term::ByComponents(operation, _) => wanted.contains(operation),
-            Term::Number(_) | Term::Variable(_) | Term::Parameter(_) => false,
+            Term::Number(_) | Term::Variable(_) | Term::Parameter(_) | Term::Material(_) => false,
         })
     };
     use Operation::{Acos, Asin, Atan, Atan2, Cos, Exp, Exp2, Log, Log2, Pow, PowerSS, Sin, Tan, Tanh};

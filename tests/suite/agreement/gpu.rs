@@ -61,3 +61,22 @@ tests_of_every_backend! {
         formulas_of_exponential_size_are_dragged,
         kept_work_follows_active_lights_and_path_weights;
 }
+
+/// A measured material is static or refused: kernels of the device have none.
+#[test]
+fn measured_materials_in_frames_are_refused() {
+    use illuminator::engine::{Engine, Subject, Task};
+    let scene = "bodies; b: sphere, center <0,0,0>, radius 1; lights; l: point, <3,4,5>;
+        camera; position <0,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 40;";
+    let picture = |formula: &str| {
+        let view = illuminator::trace::View::new(8, 8).expect("within range");
+        let subject = Subject::parse(&format!("body_specific; p: scalar; formula; {formula}"), scene, view).expect("a formula");
+        let evaluator = Engine::new(Arc::new(Gpu::default())).evaluator(&subject, &[], &Task::UNWATCHED);
+        evaluator.map(|_| ()).map_err(|error| error.to_string())
+    };
+    assert_eq!(picture("= IL*measured(\"x.bsdf\", R, V)*p;"), Ok(()));
+    for formula in ["= measured(\"x.bsdf\", L + p*N, V);", "emission = measured(\"x.bsdf\", V + p*N, N); = IL;"] {
+        let error = picture(formula).expect_err(formula);
+        assert!(error.contains("the backend `gpu` cannot evaluate a measured material"), "{error}");
+    }
+}
