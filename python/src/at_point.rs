@@ -144,7 +144,7 @@ fn values(py: Python<'_>, formula: &Formula, root: TermId, inputs: &[GivenNumber
         .iter()
         .filter_map(|term| match formula.term(*term) {
             Term::Variable(variable) => Some(*variable),
-            Term::Number(_) | Term::Parameter(_) | Term::Apply(..) | Term::ByComponents(..) => None,
+            Term::Number(_) | Term::Parameter(_) | Term::Material(_) | Term::Apply(..) | Term::ByComponents(..) => None,
         })
         .collect();
     let of_variable = |variable: Variable, point: usize| {

@@ -54,6 +54,8 @@ pub struct MeasuredFormat {
     pub suffixes: &'static [&'static str],
     /// The largest file that is read, in bytes.
     pub largest: u64,
+    /// Whether its files hold reflectance for all directions, so that they can be used in formulas.
+    pub has_all_directions: bool,
     /// Whether a file with this beginning and this length is of the format.
     is_likely: fn(&[u8], u64) -> bool,
     read: FormatReader,
@@ -65,6 +67,7 @@ pub const FORMATS: [MeasuredFormat; 3] = [
         name: "RGL",
         suffixes: &["bsdf"],
         largest: LARGEST_FILE,
+        has_all_directions: true,
         is_likely: |beginning, _| beginning.starts_with(tensor::MAGIC),
         read: |bytes| {
             let material = RglMaterial::new(&TensorFile::parse(bytes)?)?;
@@ -75,6 +78,7 @@ pub const FORMATS: [MeasuredFormat; 3] = [
         name: "MERL",
         suffixes: &["binary"],
         largest: merl::FILE_BYTES as u64,
+        has_all_directions: true,
         is_likely: MerlTable::is_likely,
         read: |bytes| {
             let table = MerlTable::parse(bytes)?;
@@ -85,6 +89,7 @@ pub const FORMATS: [MeasuredFormat; 3] = [
         name: "CSV",
         suffixes: &["csv", "txt"],
         largest: 256 << 20,
+        has_all_directions: false,
         is_likely: |beginning, _| !beginning.is_empty() && is_text(beginning),
         read: |bytes| {
             let text = std::str::from_utf8(bytes).map_err(|error| Flaw::at_byte(error.valid_up_to(), "it is no UTF-8 text"))?;
@@ -175,7 +180,8 @@ impl Measurement {
         match self {
             Measurement::Material(material) => Ok(material),
             Measurement::Samples(_) => {
-                let hint = "files of the formats MERL (.binary) and RGL (.bsdf) have reflectance for all directions";
+                let formats = listed(FORMATS.iter().filter(|format| format.has_all_directions));
+                let hint = format!("files of the formats {formats} have reflectance for all directions");
                 Err(Flaw::new("it is a list of samples, and no material for all directions").hint(hint).in_file(file))
             }
         }
@@ -190,6 +196,12 @@ pub fn open(path: &Path) -> Result<(File, Metadata), MeasuredError> {
     files::open(path, Readable::Regular).map_err(|error| Flaw::new(files::reason(&error.into())).in_file(path))
 }
 
+/// Formats with their suffixes, for messages.
+fn listed<'f>(formats: impl IntoIterator<Item = &'f MeasuredFormat>) -> String {
+    let named: Vec<String> = formats.into_iter().map(|format| format!("{} (.{})", format.name, format.suffixes[0])).collect();
+    named.join(", ")
+}
+
 /// The format of a file.
 fn format_of(beginning: &[u8], length: u64) -> Result<&'static MeasuredFormat, Flaw> {
     if beginning.is_empty() {
@@ -197,8 +209,8 @@ fn format_of(beginning: &[u8], length: u64) -> Result<&'static MeasuredFormat, F
     }
     let format = FORMATS.iter().find(|format| (format.is_likely)(beginning, length));
     format.ok_or_else(|| {
-        let formats: Vec<String> = FORMATS.iter().map(|format| format!("{} (.{})", format.name, format.suffixes[0])).collect();
-        Flaw::new("it is of no known format").hint(format!("measured materials are files of the formats {}", formats.join(", ")))
+        let hint = format!("measured materials are files of the formats {}", listed(&FORMATS));
+        Flaw::new("it is of no known format").hint(hint)
     })
 }
 

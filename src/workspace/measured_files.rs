@@ -17,6 +17,12 @@ const COPIES: u64 = 3;
 /// The numbers of the materials that were read.
 static READ: Mutex<Option<HashMap<FileStamp, f32>>> = Mutex::new(None);
 
+/// Whether the suffix of a file is that of measured materials.
+pub fn is_named_like_material(path: &Path) -> bool {
+    let suffix = path.extension().and_then(|suffix| suffix.to_str()).unwrap_or_default().to_lowercase();
+    measured::FORMATS.iter().any(|format| format.has_all_directions && format.suffixes.contains(&suffix.as_str()))
+}
+
 /// The number of the material in a file.
 ///
 /// # Errors

@@ -6,6 +6,7 @@ use crate::lang::types::Type;
 use crate::mesh::MeshFormat;
 use crate::preview::app::scene_actions::MeshSpot;
 use crate::preview::app::{Action, App, user_state};
+use crate::workspace::measured_files::is_named_like_material;
 use crate::workspace::{FileKind, LINEAR_SUFFIXES, Location, kind_of, kind_of_file, read_source, textures};
 use egui::{Align2, FontId, LayerId, Order, Rect, Stroke, StrokeKind, Ui, pos2, vec2};
 use glam::DVec3;
@@ -20,6 +21,7 @@ const NAMED: usize = 5;
 enum Guess {
     Mesh,
     Image,
+    Measured,
     Text(Option<FileKind>),
 }
 
@@ -38,6 +40,8 @@ fn guess(path: &Path) -> Guess {
         Guess::Mesh
     } else if textures::SUFFIXES.contains(&suffix.as_str()) {
         Guess::Image
+    } else if is_named_like_material(path) {
+        Guess::Measured
     } else {
         Guess::Text(match suffix.as_str() {
             "session" => Some(FileKind::Session),
@@ -57,9 +61,19 @@ fn promise(path: &Path) -> String {
         Guess::Mesh => format!("Add {name} to the scene"),
         Guess::Image if may_be_environment(path) => format!("{name} is an image, for an environment or a texture"),
         Guess::Image => format!("{name} is an image, for a texture"),
+        Guess::Measured => format!("{name} is a measured material, for a formula"),
         Guess::Text(Some(kind)) => format!("Open the {} {name}", kind.noun()),
         Guess::Text(None) => format!("Open {name}"),
     }
+}
+
+/// How a measured material is used.
+fn about_measured(path: &Path) -> String {
+    let name = name_of(path);
+    format!(
+        "{name} is a measured material. To use it, save the formula in the same folder, and write \
+         `= IL*measured(\"{name}\")*max(0, N.L);`."
+    )
 }
 
 /// The kind of a text that is opened.
@@ -70,7 +84,7 @@ fn kind_of_text(path: &Path) -> Result<FileKind, String> {
     let source = read_source(path, None, Readable::Regular).map_err(|error| user_state::line(&error))?;
     let by_suffix = match guess(path) {
         Guess::Text(kind) => kind,
-        Guess::Mesh | Guess::Image => None,
+        Guess::Mesh | Guess::Image | Guess::Measured => None,
     };
     match kind_of(source.text()).map(|_| kind_of_file(path, source.text())).or(by_suffix) {
         Some(FileKind::Material) => {
@@ -135,6 +149,7 @@ impl App {
                     meshes += 1;
                 }
                 Guess::Image => refused.push(self.about_image(path)),
+                Guess::Measured => refused.push(about_measured(path)),
                 Guess::Text(_) => match kind_of_text(path) {
                     Ok(kind) => found.push(Action::Open(kind, Location::File(path.clone()))),
                     Err(reason) => refused.push(reason),
@@ -220,6 +235,7 @@ mod tests {
         let told = |name: &str| promise(Path::new(name));
         assert_eq!(told("/a/Cow.GLB"), "Add Cow.GLB to the scene");
         assert_eq!(told("wood.jpeg"), "wood.jpeg is an image, for a texture");
+        assert_eq!(told("chrome.binary"), "chrome.binary is a measured material, for a formula");
         assert_eq!(told("a.scene"), "Open the scene a.scene");
         assert_eq!([told("a.toml"), told("a.session")], ["Open the session a.toml", "Open the session a.session"]);
         assert_eq!(told("notes.txt"), "Open notes.txt");
