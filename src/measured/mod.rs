@@ -186,6 +186,29 @@ impl Measurement {
             }
         }
     }
+
+    /// The list of samples, if it is one. `file` is named in the error.
+    ///
+    /// # Errors
+    /// It is a material for all directions.
+    pub fn samples(self, file: &Path) -> Result<ReflectanceSamples, MeasuredError> {
+        match self {
+            Measurement::Samples(samples) => Ok(samples),
+            Measurement::Material(_) => {
+                Err(Flaw::new("it is a material for all directions, and no list of samples").in_file(file))
+            }
+        }
+    }
+}
+
+impl ReflectanceSamples {
+    /// Reads a list of samples from a file.
+    ///
+    /// # Errors
+    /// It cannot be read, is no text or too large, or a line is no sample.
+    pub fn read(path: &Path) -> Result<Self, MeasuredError> {
+        Measurement::read(path)?.samples(path)
+    }
 }
 
 /// Opens a file of measurements.
@@ -245,6 +268,14 @@ impl MeasuredMaterial {
         match &self.form {
             StoredForm::Merl(_) => Some(merl::middle_of_cell(light, view)),
             StoredForm::Rgl(_) => None,
+        }
+    }
+
+    /// Whether the reflectance stays when light and view are turned about the normal together.
+    pub fn is_isotropic(&self) -> bool {
+        match &self.form {
+            StoredForm::Merl(_) => true,
+            StoredForm::Rgl(material) => material.is_isotropic(),
         }
     }
 

@@ -140,6 +140,11 @@ impl RglMaterial {
         })
     }
 
+    /// Whether only differences of azimuths matter.
+    pub(super) fn is_isotropic(&self) -> bool {
+        self.is_isotropic
+    }
+
     /// The bytes of memory that it takes, about.
     pub(super) fn bytes(&self) -> u64 {
         let numbers = self.normals.values.len() + self.area.values.len() + 3 * self.colours.values.len();
