@@ -8,7 +8,7 @@ use crate::cli::model::ModelOptions;
 use crate::cli::report::{Failure, print, print_json};
 use clap::Args;
 use illuminator::instrument::expressions::expression_ranges;
-use illuminator::instrument::measurement::Measurement;
+use illuminator::instrument::measurement::ModelMeasurement;
 use report::MeasurementReport;
 
 /// Options of `measure`.
@@ -25,8 +25,10 @@ pub(super) struct Options {
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let opened = options.model.open()?;
     let report = on_threads(&options.model.machine, || {
-        let measured = Measurement::of(opened.named.model.as_ref());
-        let (expressions, pairs) = expression_ranges(&opened.valued.formula, &opened.valued.numbers);
+        let measured = ModelMeasurement::of(opened.named.model.as_ref());
+        let valued = opened.valued.as_ref();
+        let (expressions, pairs) =
+            valued.map_or_else(Default::default, |valued| expression_ranges(&valued.formula, &valued.numbers));
         MeasurementReport::new(&opened.described, &measured, &expressions, pairs)
     })?;
     if options.json { print_json(&report) } else { print(&text::table(&report)) }

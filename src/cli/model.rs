@@ -1,9 +1,9 @@
-//! Models of reflection that the command line names: formulas with values.
+//! Models of reflection that the command line names: formulas with values, and measured materials.
 
 use crate::cli::input::{Speaker, data_folder, read_of_kind};
 use crate::cli::options::{MachineOptions, read};
 use crate::cli::progress::Progress;
-use crate::cli::report::Failure;
+use crate::cli::report::{Failure, warn};
 use clap::Args;
 use illuminator::engine::Task;
 use illuminator::files::Readable;
@@ -15,6 +15,7 @@ use illuminator::lang::diagnostic::{Diagnostic, nearest};
 use illuminator::lang::display_text::one_line;
 use illuminator::lang::source::Source;
 use illuminator::lang::variables::Owner;
+use illuminator::measured::{FORMATS, MeasuredMaterial};
 use illuminator::trace::usable_memory;
 use illuminator::workspace::assignment::AssignmentTarget;
 use illuminator::workspace::materials::MaterialAssignment;
@@ -34,7 +35,8 @@ const PLAIN_NAME: &str = "plain";
 /// Which model is looked at.
 #[derive(Args, Debug)]
 pub(super) struct ModelOptions {
-    /// Session, whose values of a body and of a light count; or a formula file [default: preset:default]
+    /// Session, whose values of a body and of a light count; or a formula file, or a measured material (.binary, .bsdf)
+    /// [default: preset:default]
     model: Option<OsString>,
     /// Formula. Values of the session stay where the formula has the same parameter; without a session, values are the
     /// defaults
@@ -68,8 +70,8 @@ pub(super) struct OpenedModel {
     pub(super) named: NamedModel,
     /// What it is, in more words.
     pub(super) described: String,
-    /// The formula that it is.
-    pub(super) valued: ValuedFormula,
+    /// The formula that it is; none for a measured material.
+    pub(super) valued: Option<ValuedFormula>,
     /// The files that were read.
     pub(super) files: Vec<PathBuf>,
 }
@@ -79,6 +81,8 @@ enum GivenModel {
     Session(SessionText),
     /// The text of a formula, and where it is.
     Formula(Source, Location),
+    /// A measured material, and its file.
+    Measured(Arc<MeasuredMaterial>, PathBuf),
 }
 
 impl ModelOptions {
@@ -90,9 +94,13 @@ impl ModelOptions {
             None => None,
         };
         match (given, formula) {
-            (Some((_, GivenModel::Formula(..))), Some(_)) => {
-                let error = Diagnostic::error("two formulas are given");
-                Err(Failure::CommandLine(error.help("`--with FORMULA` shows another one beside the first")))
+            (Some((_, GivenModel::Formula(..) | GivenModel::Measured(..))), Some(_)) => {
+                let error = Diagnostic::error("two models are given");
+                Err(Failure::CommandLine(error.help("`plot --with FORMULA` shows another one beside the first")))
+            }
+            (Some((_, GivenModel::Measured(material, path))), None) => {
+                self.warn_of_unused();
+                Ok(measured(material, path))
             }
             (Some((_, GivenModel::Formula(source, location))), None) => self.formula_alone(source, location),
             (None, Some(location)) => {
@@ -105,6 +113,19 @@ impl ModelOptions {
                 let name = location.to_string();
                 self.of_session(SessionText::At(location), OsStr::new(&name), None)
             }
+        }
+    }
+
+    /// Warns of options that change nothing in a measured material.
+    fn warn_of_unused(&self) {
+        let given = [
+            ("--material", !self.materials.is_empty()),
+            ("--set", !self.settings.is_empty()),
+            ("--body", self.body.is_some()),
+            ("--light", self.light.is_some()),
+        ];
+        for (option, _) in given.into_iter().filter(|(_, is_given)| *is_given) {
+            warn(format!("`{option}` changes nothing in a measured material"));
         }
     }
 
@@ -199,13 +220,32 @@ impl ModelOptions {
         match given_model(name, FileKind::Formula)? {
             GivenModel::Formula(source, location) => other.formula_alone(source, location),
             GivenModel::Session(session) => other.of_session(session, name, None),
+            GivenModel::Measured(material, path) => Ok(measured(material, path)),
         }
     }
+}
+
+/// A measured material as a model.
+fn measured(material: Arc<MeasuredMaterial>, path: PathBuf) -> OpenedModel {
+    let named = NamedModel { name: short_name(&Location::File(path.clone())), model: material };
+    OpenedModel { named, described: one_line(&path.display().to_string()), valued: None, files: vec![path] }
+}
+
+/// Whether a path is that of a measured material, by its suffix.
+fn is_measured(path: &Path) -> bool {
+    let suffix = path.extension().map(|suffix| suffix.to_string_lossy().to_lowercase()).unwrap_or_default();
+    // Texts may be formulas.
+    suffix != "txt" && FORMATS.iter().any(|format| format.suffixes.contains(&suffix.as_str()))
 }
 
 /// Reads what a name stands for. Of built-in files with one name, those of the preferred kind count.
 fn given_model(name: &OsStr, preferred: FileKind) -> Result<GivenModel, Failure> {
     let location = Location::new(name);
+    if let Some(path) = location.file().filter(|path| is_measured(path)) {
+        let material = MeasuredMaterial::read(path)
+            .map_err(|error| Failure::Input(Diagnostic::error(error.to_string()).help_if(error.hint.clone())))?;
+        return Ok(GivenModel::Measured(material, path.to_owned()));
+    }
     let kind = match &location {
         Location::Preset(preset) => {
             let kinds = [preferred, FileKind::Session, FileKind::Formula];
@@ -222,7 +262,7 @@ fn given_model(name: &OsStr, preferred: FileKind) -> Result<GivenModel, Failure>
         })),
         FileKind::Scene | FileKind::Material => {
             let error = Diagnostic::error(format!("`{}` is a {}", one_line(source.name()), kind.noun()));
-            Err(Failure::Input(error.help("a model is a formula, or a session, which has values for one")))
+            Err(Failure::Input(error.help("a model is a formula, a session, which has values for one, or a measured material")))
         }
     }
 }
@@ -249,7 +289,7 @@ fn opened(project: Project, owners: [Option<OwnerId>; 2], name: String, describe
     let numbers = numbers_of(&project.subject.formula, &project.values, owners);
     let program = Arc::new(ModelProgram::new(&project.subject.formula));
     let model: Arc<dyn Reflectance> = Arc::new(FormulaModel::new(program, numbers.clone(), Place::default()));
-    let valued = ValuedFormula { formula: project.subject.formula, numbers };
+    let valued = Some(ValuedFormula { formula: project.subject.formula, numbers });
     OpenedModel { named: NamedModel { name, model }, described: one_line(&described), valued, files: project.files }
 }
 

@@ -32,7 +32,7 @@ pub(super) struct Options {
     /// What is drawn
     #[arg(long, value_name = "VIEW", value_parser = views())]
     view: &'static InstrumentView,
-    /// Another model in the same chart: a formula or a session; may be repeated
+    /// Another model in the same chart: a formula, a session or a measured material; may be repeated
     #[arg(long, value_name = "OTHER")]
     with: Vec<OsString>,
     /// Angles of the light from the normal in degrees, 0 to 89.99, as in 0,30,60

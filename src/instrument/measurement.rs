@@ -24,7 +24,7 @@ pub struct AlbedoRow {
 
 /// What was measured of a model.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Measurement {
+pub struct ModelMeasurement {
     /// The shares by polar angle, at azimuth 0.
     pub rows: Vec<AlbedoRow>,
     /// The greatest share of a beam that is reflected.
@@ -50,7 +50,7 @@ pub enum EnergyVerdict {
     DoesNot(GreatestAlbedo),
 }
 
-impl Measurement {
+impl ModelMeasurement {
     /// Measures a model.
     pub fn of(model: &dyn Reflectance) -> Self {
         let depends_on_azimuth = depends_on_azimuth(model);

@@ -1,7 +1,7 @@
 use super::albedo::{ACCURACY, depends_on_azimuth, greatest};
 use super::direction::{angles, direction};
 use super::hemisphere::{Integration, integrate};
-use super::measurement::{EnergyVerdict, Measurement};
+use super::measurement::{EnergyVerdict, ModelMeasurement};
 use super::{DirectionPair, Reflectance};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
@@ -142,7 +142,7 @@ fn values_that_are_not_numbers_are_found_and_left_out() {
     near(integral.value[0], 1.0 - 0.09, "what remains");
     let pair = integral.not_finite.unwrap();
     assert!(pair.view[2] < 0.3);
-    let measured = Measurement::of(&model);
+    let measured = ModelMeasurement::of(&model);
     assert!(measured.not_finite.is_some_and(|pair| pair.view[2] < 0.3));
 }
 
@@ -150,26 +150,26 @@ fn values_that_are_not_numbers_are_found_and_left_out() {
 fn the_verdict_says_where_light_is_made() {
     // Twice the cosine of the angle from the normal, doubled: 1 is passed at 60 degrees.
     let gain = ClosedForm(|light: DVec3, _| (1.5 - light.z) / PI);
-    let found = Measurement::of(&gain);
+    let found = ModelMeasurement::of(&gain);
     let EnergyVerdict::DoesNot(beam) = found.verdict() else { panic!("{found:?}") };
     assert!((beam.share - 1.5).abs() < 0.02 && beam.angles[0] > 88.0, "{beam:?}");
     assert!((beam.above_one_from.unwrap() - 60.0).abs() < 0.3, "{beam:?}");
     // What a viewer sees is the mean over the light: ∫ (1.5 − c) 2c dc = 1.5 − 2/3.
     assert!(found.rows.iter().all(|row| (row.furnace[0] - (1.5 - 2.0 / 3.0)).abs() < 2e-4), "{found:?}");
     assert!(found.furnace.above_one_from.is_none() && !found.is_reciprocal() && !found.depends_on_azimuth);
-    assert_eq!(Measurement::of(&ClosedForm(|_, _| 1.0 / PI)).verdict(), EnergyVerdict::Conserves);
-    assert_eq!(Measurement::of(&ClosedForm(ggx(0.1))).verdict(), EnergyVerdict::Conserves);
+    assert_eq!(ModelMeasurement::of(&ClosedForm(|_, _| 1.0 / PI)).verdict(), EnergyVerdict::Conserves);
+    assert_eq!(ModelMeasurement::of(&ClosedForm(ggx(0.1))).verdict(), EnergyVerdict::Conserves);
 }
 
 #[test]
 fn reciprocity_and_negative_values_are_told_with_their_places() {
     let model = ClosedForm(|light: DVec3, view: DVec3| light.z - 2.0 * view.x.powi(2) + 0.0 * view.z);
-    let found = Measurement::of(&model);
+    let found = ModelMeasurement::of(&model);
     let (least, pair) = found.least.unwrap();
     // π cos θ (cos θ − 2 x²) is least at x = 1, cos θ = 1: −π.
     assert!((least + PI).abs() < 0.02 && pair.light[2] > 0.99, "{least} {pair:?}");
     assert!(found.depends_on_azimuth && found.reciprocity.unwrap().error > 0.9);
-    let found = Measurement::of(&ClosedForm(ggx(0.3)));
+    let found = ModelMeasurement::of(&ClosedForm(ggx(0.3)));
     assert!(found.is_reciprocal() && found.reciprocity.unwrap().error < 1e-4, "{:?}", found.reciprocity);
     assert!(found.least.unwrap().0 >= 0.0);
 }

@@ -30,7 +30,7 @@ fn element(mark: &FigureMark) -> String {
     match mark {
         FigureMark::Path { points, closed, fill, stroke } => {
             let mut data = String::new();
-            for (index, [x, y]) in points.iter().enumerate() {
+            for (index, [x, y]) in thinned(points).iter().enumerate() {
                 let _ = write!(data, "{}{} {}", if index == 0 { "M" } else { "L" }, number(*x), number(*y));
             }
             let end = if *closed { "Z" } else { "" };
@@ -66,6 +66,31 @@ fn element(mark: &FigureMark) -> String {
             )
         }
     }
+}
+
+/// The points without those that no eye misses (Douglas and Peucker 1973).
+fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    /// How far a line may be from a point that is left out.
+    const TOLERANCE: f64 = 0.04;
+    let mut kept = vec![false; points.len()];
+    let mut ranges = vec![(0, points.len().saturating_sub(1))];
+    while let Some((first, last)) = ranges.pop() {
+        let (Some(from), Some(to)) = (points.get(first), points.get(last)) else { continue };
+        (kept[first], kept[last]) = (true, true);
+        let way = [to[0] - from[0], to[1] - from[1]];
+        let squared = way[0] * way[0] + way[1] * way[1];
+        let distance = |at: &[f64; 2]| {
+            let off = [at[0] - from[0], at[1] - from[1]];
+            let share = if squared > 0.0 { ((off[0] * way[0] + off[1] * way[1]) / squared).clamp(0.0, 1.0) } else { 0.0 };
+            (off[0] - share * way[0]).hypot(off[1] - share * way[1])
+        };
+        let between = (first + 1..last).map(|index| (index, distance(&points[index])));
+        let farthest = between.max_by(|one, other| one.1.total_cmp(&other.1));
+        if let Some((index, _)) = farthest.filter(|(_, distance)| *distance > TOLERANCE) {
+            ranges.extend([(first, index), (index, last)]);
+        }
+    }
+    points.iter().zip(kept).filter_map(|(point, kept)| kept.then_some(*point)).collect()
 }
 
 /// The bytes of a PNG file. It fails only for pictures with more pixels than the format has, which no chart has.
@@ -160,6 +185,17 @@ mod tests {
         for (bytes, text) in pairs {
             assert_eq!(base64(bytes.as_bytes()), text);
         }
+    }
+
+    #[test]
+    fn points_on_a_line_are_left_out() {
+        let line: Vec<[f64; 2]> = (0..100).map(|index| [f64::from(index), 2.0 * f64::from(index)]).collect();
+        assert_eq!(thinned(&line), [[0.0, 0.0], [99.0, 198.0]]);
+        let corner = [[0.0, 0.0], [5.0, 0.0], [10.0, 0.01], [10.0, 10.0]];
+        assert_eq!(thinned(&corner), [[0.0, 0.0], [10.0, 0.01], [10.0, 10.0]]);
+        // A closed way comes back to where it began.
+        let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 0.0]];
+        assert_eq!((thinned(&square).len(), thinned(&[]).len(), thinned(&[[1.0, 2.0]]).len()), (4, 0, 1));
     }
 
     #[test]

@@ -136,13 +136,33 @@ fn mistakes_are_explained() {
     says("model.txt --set kx=1 --view polar -o a.png", 2, &["`kx` is not a parameter of the formula"]);
     says("wrong.formula --view polar -o a.png", 1, &["`Cb` is not known"]);
     says("none.formula --view polar -o a.png", 1, &["there is no such file"]);
-    says("sub/place.txt --view polar -o a.png", 1, &["is a scene", "a model is a formula, or a session"]);
+    says("sub/place.txt --view polar -o a.png", 1, &["is a scene", "a model is a formula, a session"]);
     says("model.txt --with sub/place.txt --view polar -o a.png", 1, &["is a scene"]);
-    says("model.txt --formula preset:phong --view polar -o a.png", 2, &["two formulas are given"]);
+    says("model.txt --formula preset:phong --view polar -o a.png", 2, &["two models are given"]);
     says("model.txt --view furnace --theta 3 -o a.png", 0, &["Warning: `--theta` changes nothing in the view `furnace`"]);
     says("--formula model.txt --set kd=0 --set ks=0 --view polar -o a.png", 0, &["Warning: the model is 0"]);
-    fs::copy(folder.join("model.txt"), folder.join("model.csv")).expect("a copy");
-    says("model.csv --view polar -o model.csv", 2, &["the output would overwrite `model.csv`"]);
+    fs::copy(folder.join("model.txt"), folder.join("model.svg")).expect("a copy");
+    says("model.svg --view polar -o model.svg", 2, &["the output would overwrite `model.svg`"]);
+}
+
+#[test]
+fn a_measured_material_is_drawn_beside_a_formula() {
+    let folder = folder();
+    write(&folder, "matte.formula", "formula; = IL*Cd*max(0, N.L);");
+    let file = illuminator::measured::merl::bytes(|_, _| glam::DVec3::splat(0.8 / PI));
+    fs::write(folder.path().join("matte.binary"), file).expect("a file");
+    let folder = folder.path();
+    drawn(folder, "matte.binary --with matte.formula --view albedo -o both.csv");
+    let (columns, rows) = table(folder, "both.csv");
+    assert_eq!(columns.len(), 3);
+    // A lookup table is 0 at the horizon.
+    let near = |row: &&Vec<f64>| (row[1] - 0.8).abs() < 2e-3 && (row[2] - 0.8).abs() < 2e-4;
+    assert!(rows.iter().filter(|row| row[0] < 80.0).all(|row| near(&row)), "{rows:?}");
+    fs::write(folder.join("short.binary"), [0; 40]).expect("a file");
+    let said = told(folder, "plot short.binary --view polar -o a.png");
+    assert!(said.contains("short.binary") && said.ends_with("exit status 1\n"), "{said}");
+    let said = told(folder, "plot matte.binary --set kd=1 --view polar -o a.png");
+    assert!(said.contains("`--set` changes nothing in a measured material"), "{said}");
 }
 
 #[test]

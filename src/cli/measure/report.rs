@@ -4,7 +4,7 @@ use illuminator::instrument::DirectionPair;
 use illuminator::instrument::albedo::{EQUAL, GreatestAlbedo};
 use illuminator::instrument::expressions::ExpressionRange;
 use illuminator::instrument::hemisphere::angles_of;
-use illuminator::instrument::measurement::{EnergyVerdict, Measurement};
+use illuminator::instrument::measurement::{EnergyVerdict, ModelMeasurement};
 use serde::Serialize;
 
 /// The names of the components of colours.
@@ -133,7 +133,7 @@ impl PairReport {
 }
 
 impl MeasurementReport {
-    pub(super) fn new(model: &str, measured: &Measurement, expressions: &[ExpressionRange], pairs: usize) -> Self {
+    pub(super) fn new(model: &str, measured: &ModelMeasurement, expressions: &[ExpressionRange], pairs: usize) -> Self {
         let rows = measured.rows.iter().map(|row| AlbedoReport {
             theta: row.polar,
             beam: row.beam.map(share),

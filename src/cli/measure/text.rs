@@ -34,8 +34,10 @@ pub(super) fn table(report: &MeasurementReport) -> String {
     }
     text.push('\n');
     text.push_str(&shares(report));
-    text.push('\n');
-    text.push_str(&expressions(report));
+    if !report.expressions.is_empty() {
+        text.push('\n');
+        text.push_str(&expressions(report));
+    }
     text
 }
 
