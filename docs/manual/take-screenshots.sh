@@ -48,6 +48,16 @@ passes=128 picture scene-lights --scene "$home/lamps.scene" --formula preset:pho
     --set 'sun.IL=<1,0.95,0.85>' --set beam.ki=0.6 --set bulb.ki=0.3 --set 'bulb.IL=<1,0.75,0.45>' --set window.ki=0.3 \
     --set 'window.IL=<0.5,0.75,1>' --set 'ball.Cd=<0.8,0.15,0.1>' --srgb
 
+# chart NAME ARGUMENTS…: a chart in the chapter about instruments.
+chart() {
+    local name=$1
+    shift
+    wanted "$name" || return 0
+    "$program" plot "$@" -o "$images/$name.svg"
+}
+chart instruments-polar --formula preset:ggx --view polar --theta 0,30,60 --size 640x420
+chart instruments-albedo --formula preset:phong --view albedo --size 640x400
+
 export DISPLAY=:${SCREEN:-97}
 Xvfb "$DISPLAY" -screen 0 1280x800x24 -noreset >/dev/null 2>&1 &
 display=$!

@@ -66,7 +66,7 @@ enum Command {
     Export(export::Options),
     /// Draw what a formula or a material is: lobes, curves, slices, albedo
     Plot(plot::Options),
-    /// Tell whether a formula or a material conserves energy, and what else its numbers are
+    /// Tell whether a formula or a material conserves energy, and more
     Measure(measure::Options),
     /// Find values of parameters with which a formula comes near to a measured material or to a picture
     Fit(fit::Options),

@@ -33,9 +33,9 @@ pub struct GreatestAlbedo {
     pub above_one_from: Option<f64>,
 }
 
-/// The component with the greatest share.
+/// The component with the greatest share; of equal ones the first.
 pub fn greatest_component(integral: &HemisphereIntegral) -> (usize, f64) {
-    let components = integral.value.iter().copied().enumerate();
+    let components = integral.value.iter().copied().enumerate().rev();
     components.max_by(|one, other| one.1.total_cmp(&other.1)).unwrap_or((0, 0.0))
 }
 

@@ -124,6 +124,23 @@ fn ggx_reflects_as_much_as_others_have_computed() {
 }
 
 #[test]
+fn lobes_at_the_horizon_reflect_as_much_as_by_brute_force() {
+    // tests/reference/albedo.py. Values are not multiplied by cos θ, so the BRDF grows towards the horizon.
+    let blinn = ClosedForm(|light: DVec3, view: DVec3| (light + view).normalize().z.powi(200) / (PI * light.z));
+    let phong = ClosedForm(|light: DVec3, view| mirror_cosine(light, view).powi(30) / (PI * light.z));
+    for (polar, of_blinn, of_phong) in [
+        (0.0, 0.038_827_5, 0.062_5),
+        (60.0, 0.019_996_2, 0.062_509_1),
+        (80.0, 0.008_958_9, 0.068_240_6),
+        (89.0, 0.014_754_5, 0.291_106_7),
+        (89.9, 0.114_547_9, 2.617_995_5),
+    ] {
+        near(beam(&blinn, polar), of_blinn, "Blinn");
+        near(beam(&phong, polar), of_phong, "Phong");
+    }
+}
+
+#[test]
 fn narrow_lobes_are_not_missed() {
     // As the roughness goes to 0, a mirror remains; what is lost is of the order of α².
     for alpha in [0.001, 0.003, 0.01] {

@@ -141,8 +141,11 @@ fn mistakes_are_explained() {
     says("model.txt --formula preset:phong --view polar -o a.png", 2, &["two models are given"]);
     says("model.txt --view furnace --theta 3 -o a.png", 0, &["Warning: `--theta` changes nothing in the view `furnace`"]);
     says("--formula model.txt --set kd=0 --set ks=0 --view polar -o a.png", 0, &["Warning: the model is 0"]);
-    fs::copy(folder.join("model.txt"), folder.join("model.svg")).expect("a copy");
-    says("model.svg --view polar -o model.svg", 2, &["the output would overwrite `model.svg`"]);
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("model.txt", folder.join("link.svg")).expect("a link");
+        says("model.txt --view polar -o link.svg", 2, &["the output would overwrite `model.txt`"]);
+    }
 }
 
 #[test]

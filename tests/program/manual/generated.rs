@@ -1,17 +1,18 @@
-//! The parts of the manual that are made from the program: tables of the language, help of the commands, and the
-//! [`gallery`].
+//! The parts of the manual that are made from the program: tables of the language, help of the commands, views of
+//! models, and the [`gallery`].
 //!
 //! Such a part stands between `<!-- generated: NAME -->` and `<!-- end of NAME -->`.
 
 use super::gallery::gallery;
 use crate::run;
+use illuminator::instrument::view::VIEWS;
 use illuminator::lang::reference::{Row, Table, tables};
 use illuminator::lang::types::Origin;
 use std::process::Output;
 
 /// The parts, with what they must hold.
 pub(super) fn parts() -> Vec<(&'static str, String)> {
-    vec![("language tables", language_tables()), ("commands", commands()), ("gallery", gallery())]
+    vec![("language tables", language_tables()), ("commands", commands()), ("gallery", gallery()), ("views", views())]
 }
 
 /// A text with the part of this name replaced, if the text has it.
@@ -41,6 +42,12 @@ fn language_tables() -> String {
 pub(super) fn plain(text: &str) -> String {
     let escaped = |character: char| if "*_<>|`[]\\".contains(character) { vec!['\\', character] } else { vec![character] };
     text.chars().flat_map(escaped).collect()
+}
+
+/// The views of models.
+fn views() -> String {
+    let rows = VIEWS.iter().map(|view| format!("| `{}` | {} | {} |\n", view.name, plain(view.doc), plain(view.axes)));
+    format!("| `--view` | what it shows | axes |\n|---|---|---|\n{}", rows.collect::<String>())
 }
 
 /// The help of every command, as clap prints it.
