@@ -31,7 +31,7 @@ fn fitted(folder: &Path, arguments: &str) -> Value {
 fn after(found: &Value, name: &str) -> f64 {
     let parameters = found["parameters"].as_array().expect("parameters");
     let found = parameters.iter().find(|parameter| parameter["name"] == name);
-    found.unwrap_or_else(|| panic!("no {name} in {parameters:?}"))["after"].as_f64().expect("a number")
+    found.expect("a parameter of this name")["after"].as_f64().expect("a number")
 }
 
 fn near(found: f64, wanted: f64) {

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Fits the same model to the same samples with `illuminator fit` and with scipy.optimize.least_squares, and compares.
 
-    tests/reference/fit_scipy.py [--samples 10000] [--starts 8] [--runs 3] [ILLUMINATOR]
+    tests/reference/fit_scipy.py [--samples 10000] [--starts 8] [--runs 3] [--noise 0.02] [ILLUMINATOR]
 
 The model is the microfacet model of Walter and others (2007) with the distribution GGX over a matte surface. scipy gets
 it in NumPy, for all samples at once, the same bounds, and starts spread over them; it takes differences for the
@@ -86,10 +86,12 @@ def main():
     arguments.add_argument("--samples", type=int, default=10_000)
     arguments.add_argument("--starts", type=int, default=8)
     arguments.add_argument("--runs", type=int, default=3)
+    arguments.add_argument("--noise", type=float, default=0.02, help="relative; without any, one start is enough for us")
     given = arguments.parse_args()
     angles = [*directions(given.samples, 1), *directions(given.samples, 2)]
     light, view = vectors(*angles[:2]), vectors(*angles[2:])
     wanted = reflectance(TRUTH, light, view)
+    wanted *= 1 + given.noise * np.random.default_rng(3).standard_normal(wanted.shape)
     with tempfile.TemporaryDirectory() as folder:
         folder = Path(folder)
         (folder / "model.formula").write_text(FORMULA)
@@ -111,6 +113,7 @@ def main():
     for name, values_found in [("truth", TRUTH), ("illuminator", values), ("scipy", found)]:
         print(f"{name:12}", " ".join(f"{value:10.6f}" for value in values_found))
     ours, whole, theirs = map(statistics.median, (ours, whole, theirs))
+    print(f"{len(output['starts'])} starts")
     print(f"illuminator {ours:.3f} s ({whole:.3f} s with start and reading), scipy {theirs:.3f} s: {theirs / ours:.1f} times")
 
 

@@ -64,8 +64,8 @@ const PIXELS_AT_ONCE: usize = 1 << 14;
 /// The smallest and the largest of no numbers.
 const NO_RANGE: [f32; 2] = [f32::INFINITY, f32::NEG_INFINITY];
 
-/// The smallest and the largest number that is not NaN. Several run side by side, so that a number does not wait for the
-/// one before it.
+/// The smallest and the largest number that is not NaN. Several run side by side, so that a number does not wait for
+/// the one before it.
 fn range(numbers: &[f32]) -> [f32; 2] {
     const LANES: usize = 32;
     let (lines, rest) = numbers.as_chunks::<LANES>();
