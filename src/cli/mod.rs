@@ -68,7 +68,7 @@ enum Command {
     Plot(plot::Options),
     /// Tell whether a formula or a material conserves energy, and more
     Measure(measure::Options),
-    /// Find values of parameters with which a formula comes near to a measured material or to a picture
+    /// Find values with which a formula comes near to measured data or a picture
     Fit(fit::Options),
     /// Check formulas, scenes, sessions and material libraries for mistakes
     Check(check::Options),

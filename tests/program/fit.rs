@@ -9,7 +9,7 @@ use std::path::Path;
 const SESSION: &str = "version = 1\nformula = \"model.formula\"\nscene = \"small.scene\"\nsize = [40, 30]\n";
 const SCENE: &str = "bodies; ball: sphere, center <0,1,0>, radius 1; floor: rectangle, <-4,0,-4>, <4,0,-4>, <4,0,4>;
 lights; key: point, <4,6,5>; camera; position <0,1.6,6>; gaze <0,-0.1,-1>; up <0,1,0>; fov 45;\n";
-const FORMULA: &str = "body_specific; kd: scalar, constraint 0..1, default 0.5; ks: scalar, constraint 0..1;
+const FORMULA: &str = "body_specific; kd: scalar, constraint 0..1, default 0.5; ks: scalar, constraint 0..1, default 0.5;
 h: scalar, constraint 1..500, default 50; kind: scalar, switch; invariants; ks + kd = 1;
 formula; = IL*(kd*Cd*max(0, N.L) + <ks*(h + 2)/8*max(0, N.H)^h>*max(0, N.L));\n";
 
@@ -105,7 +105,7 @@ fn mistakes_are_told_with_the_likely_fix() {
     let cases = [
         ("--to missing.binary", "missing.binary", 1),
         ("--to bad.csv", "line 2", 1),
-        ("--to one.csv --free hh", "did you mean `h`?", 2),
+        ("--to one.csv --free hh", "no parameter `hh`", 2),
         ("--to one.csv --free bal.kd", "did you mean `ball`?", 2),
         ("--to one.csv --free kd", "follows from others", 2),
         ("--to one.csv --free kind", "cannot be fitted", 2),

@@ -118,6 +118,9 @@ fn short(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
+    if value.abs() < 1e-4 {
+        return format!("{value:.1e}");
+    }
     let digits = (4 - value.abs().log10().floor() as i32).clamp(0, 8) as usize;
     let text = format!("{value:.digits$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
@@ -131,7 +134,8 @@ pub(super) fn table(report: &FitReport) -> String {
     let _ = writeln!(text, "{:<width$}  {:>10}  {:>10}  {:>10}", "parameter", "before", "after", "deviation");
     for parameter in &report.parameters {
         let certainty = match parameter.deviation {
-            Some(deviation) => format!("± {deviation:.1e}"),
+            Some(deviation) if deviation > 0.0 => format!("± {deviation:.1e}"),
+            Some(_) => "exact".to_owned(),
             None if parameter.follows => "follows".to_owned(),
             None => "open".to_owned(),
         };
@@ -142,7 +146,7 @@ pub(super) fn table(report: &FitReport) -> String {
     let what = if report.metric == "log" { "log(1 + …)" } else { "linear" };
     let _ = writeln!(text, "\nresidual (root mean square, {what}): {before:.3e} before, {after:.3e} after");
     let best = report.starts.iter().map(|start| start.residual).fold(f64::INFINITY, f64::min);
-    let near = report.starts.iter().filter(|start| start.residual <= 1.01 * best + 1e-12).count();
+    let near = report.starts.iter().filter(|start| start.residual <= 1.01 * best + 1e-5 * before).count();
     let evaluations: usize = report.starts.iter().map(|start| start.evaluations).sum();
     let _ = writeln!(
         text,
