@@ -151,7 +151,7 @@ struct Context<'c> {
 impl Context<'_> {
     /// Goes down from a start.
     fn descend(&self, variables: Vec<f64>, index: u32, closeness: Closeness) -> StartOutcome {
-        let problem = Problem {
+        let problem = VariableProblem {
             context: self,
             index,
             limit: closeness.patience * (self.unknowns.free() + 1),
@@ -168,7 +168,7 @@ impl Context<'_> {
 }
 
 /// The misfit as the solver sees it: a Jacobian of one more row than there are unknowns.
-struct Problem<'p> {
+struct VariableProblem<'p> {
     context: &'p Context<'p>,
     index: u32,
     /// How many evaluations are expected at most.
@@ -179,7 +179,7 @@ struct Problem<'p> {
     evaluations: Cell<usize>,
 }
 
-impl Problem<'_> {
+impl VariableProblem<'_> {
     /// The equations at the variables; `None` if they are no numbers, or the fit is cancelled.
     fn equations(&self) -> Option<NormalEquations> {
         if self.equations.borrow().is_none() {
@@ -206,7 +206,7 @@ impl Problem<'_> {
     }
 }
 
-impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
+impl LeastSquaresProblem<f64, Dyn, Dyn> for VariableProblem<'_> {
     type ResidualStorage = Owned<f64, Dyn>;
     type JacobianStorage = Owned<f64, Dyn, Dyn>;
     type ParameterStorage = Owned<f64, Dyn>;

@@ -55,7 +55,7 @@ pub enum UnknownsError {
 
 /// How a number follows from a variable without bounds.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Scale {
+enum VariableScale {
     Free { unit: f64 },
     Bounded,
     Logarithmic,
@@ -66,12 +66,12 @@ struct FreeNumber {
     number: FitNumber,
     low: f64,
     high: f64,
-    scale: Scale,
+    scale: VariableScale,
 }
 
 /// A number that is `constant` + Σ factor · free number.
 #[derive(Debug, Clone, PartialEq)]
-struct Sum {
+struct LinearSum {
     constant: f64,
     terms: Vec<(usize, f64)>,
 }
@@ -81,9 +81,9 @@ struct Sum {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unknowns {
     free: Vec<FreeNumber>,
-    followers: Vec<(FitNumber, Sum)>,
+    followers: Vec<(FitNumber, LinearSum)>,
     /// Sums that must not exceed 1, or fall below 0.
-    limits: Vec<Sum>,
+    limits: Vec<LinearSum>,
     start: Vec<f64>,
 }
 
@@ -124,9 +124,9 @@ impl Unknowns {
                 let start = f64::from(value(*id, *owner)[usize::from(component)]);
                 let (low, high) = (f64::from(low), f64::from(high));
                 let scale = match bounded {
-                    false => Scale::Free { unit: start.abs().max(1.0) },
-                    true if low > 0.0 && high / low >= FAR => Scale::Logarithmic,
-                    true => Scale::Bounded,
+                    false => VariableScale::Free { unit: start.abs().max(1.0) },
+                    true if low > 0.0 && high / low >= FAR => VariableScale::Logarithmic,
+                    true => VariableScale::Bounded,
                 };
                 let number = FitNumber { parameter: *id, owner: *owner, component };
                 if low < high && !numbers.iter().any(|known| known.number == number) {
@@ -194,8 +194,8 @@ impl Unknowns {
         constant: f64,
         terms: &[(ParameterId, f64)],
         value: &dyn Fn(ParameterId, usize) -> [f32; 3],
-    ) -> Sum {
-        let mut sum = Sum { constant, terms: Vec::new() };
+    ) -> LinearSum {
+        let mut sum = LinearSum { constant, terms: Vec::new() };
         for (id, factor) in terms {
             let position = |free: &FreeNumber| free.number.parameter == *id && free.number.owner == owner;
             match self.free.iter().position(position) {
@@ -222,8 +222,9 @@ impl Unknowns {
     }
 
     fn with_followers(&self, mut values: Vec<f64>) -> Vec<f64> {
-        let of =
-            |sum: &Sum| (sum.constant + sum.terms.iter().map(|(at, factor)| factor * values[*at]).sum::<f64>()).clamp(0.0, 1.0);
+        let of = |sum: &LinearSum| {
+            (sum.constant + sum.terms.iter().map(|(at, factor)| factor * values[*at]).sum::<f64>()).clamp(0.0, 1.0)
+        };
         let followers: Vec<f64> = self.followers.iter().map(|(_, sum)| of(sum)).collect();
         values.extend(followers);
         values
@@ -259,8 +260,8 @@ impl Unknowns {
     pub fn width(&self, free: usize) -> f64 {
         let free = &self.free[free];
         match free.scale {
-            Scale::Free { unit } => unit,
-            Scale::Bounded | Scale::Logarithmic => free.high - free.low,
+            VariableScale::Free { unit } => unit,
+            VariableScale::Bounded | VariableScale::Logarithmic => free.high - free.low,
         }
     }
 
@@ -298,9 +299,9 @@ impl FreeNumber {
     fn value(&self, variable: f64) -> [f64; 2] {
         let (share, slope) = ((1.0 + variable.sin()) / 2.0, variable.cos() / 2.0);
         match self.scale {
-            Scale::Free { unit } => [unit * variable, unit],
-            Scale::Bounded => [self.low + (self.high - self.low) * share, (self.high - self.low) * slope],
-            Scale::Logarithmic => {
+            VariableScale::Free { unit } => [unit * variable, unit],
+            VariableScale::Bounded => [self.low + (self.high - self.low) * share, (self.high - self.low) * slope],
+            VariableScale::Logarithmic => {
                 let ratio = (self.high / self.low).ln();
                 let value = self.low * (ratio * share).exp();
                 [value.min(self.high), value * ratio * slope]
@@ -321,26 +322,26 @@ impl FreeNumber {
     fn variable_exactly(&self, value: f64) -> f64 {
         match (self.share(value), self.scale) {
             (Some(share), _) => (2.0 * share.clamp(0.0, 1.0) - 1.0).asin(),
-            (None, Scale::Free { unit }) => value / unit,
-            (None, Scale::Bounded | Scale::Logarithmic) => value,
+            (None, VariableScale::Free { unit }) => value / unit,
+            (None, VariableScale::Bounded | VariableScale::Logarithmic) => value,
         }
     }
 
     /// Where in the range a value is, 0..1. `None` without bounds.
     fn share(&self, value: f64) -> Option<f64> {
         match self.scale {
-            Scale::Free { .. } => None,
-            Scale::Bounded => Some((value - self.low) / (self.high - self.low)),
-            Scale::Logarithmic => Some((value / self.low).ln() / (self.high / self.low).ln()),
+            VariableScale::Free { .. } => None,
+            VariableScale::Bounded => Some((value - self.low) / (self.high - self.low)),
+            VariableScale::Logarithmic => Some((value / self.low).ln() / (self.high / self.low).ln()),
         }
     }
 
     /// The value at a share of the range, 0..1. Without bounds it is the share itself, as on a slider.
     fn at_share(&self, share: f64) -> f64 {
         match self.scale {
-            Scale::Free { unit } => unit * share,
-            Scale::Bounded => self.low + (self.high - self.low) * share,
-            Scale::Logarithmic => self.low * (self.high / self.low).powf(share),
+            VariableScale::Free { unit } => unit * share,
+            VariableScale::Bounded => self.low + (self.high - self.low) * share,
+            VariableScale::Logarithmic => self.low * (self.high / self.low).powf(share),
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Derivatives of nodes of a graph by components of parameters, as nodes of the same graph (forward mode: Wengert,
-//! "A simple automatic derivative evaluation program", 1964; Griewank and Walther, *Evaluating Derivatives*, chapter 3).
+//! "A simple automatic derivative evaluation program", 1964; Griewank and Walther, *Evaluating Derivatives*, chapter
+//! 3).
 //!
 //! A derivative is computed like any formula, by every backend. Where an operation has a kink, the derivative is that
 //! of the branch that its value comes from. Whole numbers (`floor`) and conditions do not change. Noise, textures
@@ -239,8 +240,8 @@ impl Changes<'_> {
         Some(self.quotient(change, square))
     }
 
-    /// The change of noise, a texture or a measured material, from its values at two points on both sides of the operands, in the direction
-    /// in which they change.
+    /// The change of noise, a texture or a measured material, from its values at two points on both sides of the
+    /// operands, in the direction in which they change.
     fn measured(&mut self, primitive: Primitive, of: &[Option<NodeId>]) -> NodeId {
         /// How far the points are away, as the sum over the operands. With `f32`, less would be rounded away.
         const STEP: f32 = 1.0 / 512.0;

@@ -217,8 +217,8 @@ impl Graph {
         self.evaluate_with(&mut Floats, roots, leaf)
     }
 
-    /// The values of some nodes with another meaning of the primitives, such as [`Doubles`](crate::lang::scalars::Doubles).
-    /// `leaf` gives the values of variables and parameters.
+    /// The values of some nodes with another meaning of the primitives, such as
+    /// [`Doubles`](crate::lang::scalars::Doubles). `leaf` gives the values of variables and parameters.
     pub fn evaluate_with<M: crate::lang::scalars::Scalars>(
         &self,
         scalars: &mut M,

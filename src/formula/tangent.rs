@@ -83,7 +83,7 @@ impl Tangent {
             let nothing = graph.mul(visible, zero);
             found[0] = Scalars::add(&mut graph, found[0], nothing);
         }
-        let mut writer = TermWriter {
+        let mut writer = TangentWriter {
             graph: &graph,
             parameters: &parameters,
             own_intensity,
@@ -158,7 +158,7 @@ fn ambient(graph: &mut Graph, formula: &Formula) -> [NodeId; 3] {
 }
 
 /// Writes nodes of a graph as expressions of a formula.
-struct TermWriter<'w> {
+struct TangentWriter<'w> {
     graph: &'w Graph,
     /// All parameters of the tangent.
     parameters: &'w [Parameter],
@@ -169,7 +169,7 @@ struct TermWriter<'w> {
     written: HashMap<NodeId, TermId>,
 }
 
-impl TermWriter<'_> {
+impl TangentWriter<'_> {
     /// A scalar, or a vector of three nodes.
     fn value(&mut self, nodes: &[NodeId]) -> TermId {
         let needed = self.graph.needed(nodes);

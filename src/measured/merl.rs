@@ -180,8 +180,8 @@ fn directions([theta_h, theta_d, phi_d]: [usize; 3]) -> [DVec3; 2] {
     [light, DVec3::new(sin_h, 0.0, cos_h) * (2.0 * cos_d) - light]
 }
 
-/// Light and view in the middle of the cell that these unit vectors lie in, turned about the normal as they are. They may
-/// lie below the horizon.
+/// Light and view in the middle of the cell that these unit vectors lie in, turned about the normal as they are. They
+/// may lie below the horizon.
 pub fn middle_of_cell(light: DVec3, view: DVec3) -> [DVec3; 2] {
     let places = coordinates(light, view);
     let found = directions([0, 1, 2].map(|axis| (places[axis] as usize).min(SIZES[axis] - 1)));

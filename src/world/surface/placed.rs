@@ -20,13 +20,13 @@ use glam::{DAffine3, DMat3, DVec3};
 pub(in crate::world) struct Surface {
     shape: ShapeSurface,
     /// `None` where the coordinates of the shape are those of the world.
-    place: Option<Box<Place>>,
+    place: Option<Box<ShapePlace>>,
     bounds: Bounds,
 }
 
 /// How the coordinates of a shape become those of the world, and back.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Place {
+struct ShapePlace {
     to_world: DAffine3,
     /// The inverse of the matrix in `to_world`.
     inverse: DMat3,
@@ -34,7 +34,7 @@ struct Place {
     normals: DMat3,
 }
 
-impl Place {
+impl ShapePlace {
     fn new(to_world: DAffine3) -> Self {
         let inverse = to_world.matrix3.inverse();
         Self { to_world, inverse, normals: inverse.transpose() }
@@ -92,7 +92,7 @@ impl Surface {
         let shape = ShapeSurface::new(body, meshes)?;
         let map = to_world(&shape, &body.form.transforms);
         let bounds = shape.bounds(&map);
-        Ok(Self { shape, place: (map != DAffine3::IDENTITY).then(|| Place::new(map).into()), bounds })
+        Ok(Self { shape, place: (map != DAffine3::IDENTITY).then(|| ShapePlace::new(map).into()), bounds })
     }
 
     /// The box around it.
@@ -109,7 +109,7 @@ impl Surface {
             Some(place) => {
                 let (ray, length) = place.ray(ray);
                 let met = self.shape.intersect(&ray, &Tolerance::placed(tolerance, length, &place.normals))?;
-                Some(Place::meeting(met, length))
+                Some(ShapePlace::meeting(met, length))
             }
         }
     }
@@ -122,7 +122,7 @@ impl Surface {
             Some(place) => {
                 let (ray, length) = place.ray(ray);
                 let tolerance = Tolerance::placed(tolerance, length, &place.normals);
-                Some(Place::meeting(self.shape.intersect_again(&ray, from, &tolerance)?, length))
+                Some(ShapePlace::meeting(self.shape.intersect_again(&ray, from, &tolerance)?, length))
             }
         }
     }
@@ -137,7 +137,7 @@ impl Surface {
     pub(in crate::world) fn intersect_part(&self, ray: &Ray, part: PrimitiveId) -> Option<Meeting> {
         let Some(place) = &self.place else { return self.shape.intersect_part(ray, part) };
         let (ray, length) = place.ray(ray);
-        Some(Place::meeting(self.shape.intersect_part(&ray, part)?, length))
+        Some(ShapePlace::meeting(self.shape.intersect_part(&ray, part)?, length))
     }
 
     /// Whether a ray meets the surface before `end` (in world units). `from` is where it starts on this very surface,

@@ -104,8 +104,8 @@ fn check(parts: [&str; 3], numbers: &[f32], angles: [f64; 4]) -> Result<(), Test
     let is_measured = |index: usize| {
         matches!(graph.node(NodeId(index as u32)), Node::Apply(Primitive::Perlin | Primitive::Texture | Primitive::Measured, _))
     };
-    // Where a value on the way is infinite, the slope may be the product of 0 and infinity. Steps of large whole numbers
-    // look like a slope.
+    // Where a value on the way is infinite, the slope may be the product of 0 and infinity. Steps of large whole
+    // numbers look like a slope.
     let all: Vec<NodeId> = (0..own_nodes).map(NodeId).collect();
     let finite = leaves.values(&all, (ParameterId(u32::MAX), 0), 0.0).iter().all(|value| value.abs() < 1e5);
     let tolerance = (finite && !(0..own_nodes as usize).any(is_measured)).then_some(1e-4);
