@@ -61,7 +61,23 @@ pub(super) struct ModelOptions {
 /// A formula with the values of a body and of a light.
 pub(super) struct ValuedFormula {
     pub(super) formula: Arc<Formula>,
-    pub(super) numbers: ParameterNumbers,
+    /// The values of all owners.
+    pub(super) values: Values,
+    /// The body and the light whose values count, if there are any.
+    pub(super) owners: [Option<OwnerId>; 2],
+    program: Arc<ModelProgram>,
+}
+
+impl ValuedFormula {
+    /// The values of the parameters of the formula, of all that `values` has.
+    pub(super) fn numbers(&self, values: &Values) -> ParameterNumbers {
+        numbers_of(&self.formula, values, self.owners)
+    }
+
+    /// The formula with values.
+    pub(super) fn model(&self, values: &Values) -> FormulaModel {
+        FormulaModel::new(Arc::clone(&self.program), self.numbers(values), Place::default())
+    }
 }
 
 /// A model that was opened.
@@ -286,11 +302,11 @@ fn short_name(location: &Location) -> String {
 }
 
 fn opened(project: Project, owners: [Option<OwnerId>; 2], name: String, described: String) -> OpenedModel {
-    let numbers = numbers_of(&project.subject.formula, &project.values, owners);
-    let program = Arc::new(ModelProgram::new(&project.subject.formula));
-    let model: Arc<dyn Reflectance> = Arc::new(FormulaModel::new(program, numbers.clone(), Place::default()));
-    let valued = Some(ValuedFormula { formula: project.subject.formula, numbers });
-    OpenedModel { named: NamedModel { name, model }, described: one_line(&described), valued, files: project.files }
+    let formula = project.subject.formula;
+    let program = Arc::new(ModelProgram::new(&formula));
+    let valued = ValuedFormula { formula, values: project.values, owners, program };
+    let model: Arc<dyn Reflectance> = Arc::new(valued.model(&valued.values));
+    OpenedModel { named: NamedModel { name, model }, described: one_line(&described), valued: Some(valued), files: project.files }
 }
 
 /// The values of all parameters for a body and a light. Where there is none, the values are the defaults.

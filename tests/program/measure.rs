@@ -90,3 +90,24 @@ fn a_session_has_the_values_of_its_bodies() {
     assert!(found["model"].as_str().is_some_and(|model| model.contains("floor under key of session.toml")), "{}", found["model"]);
     assert!(told(folder.path(), "measure session.toml --body ball2").contains("did you mean `ball`?"));
 }
+
+#[test]
+fn the_ranges_of_parameters_are_looked_at() {
+    let folder = folder();
+    let text = "body_specific; kd: scalar, constraint 0..2, default 0.5; shift: scalar, constraint 0..0.25;
+        formula; = IL*<kd>*max(0, N.L) - <shift>*max(0, N.L);";
+    write(&folder, "wide.formula", text);
+    let found = measured(folder.path(), "wide.formula --all");
+    assert_eq!((&found["conserves_energy"], &found["ranges"]["parameters"]), (&true.into(), &serde_json::json!(["kd", "shift"])));
+    near(&found["ranges"]["greatest_albedo"]["share"], 2.0, 1e-3);
+    assert_eq!(found["ranges"]["greatest_with"], "kd=2 shift=0");
+    near(&found["ranges"]["smallest"], -0.25, 1e-3);
+    assert_eq!(found["ranges"]["smallest_with"], "kd=0 shift=0.25");
+    // Four corners, and settings inside: where kd − shift is above 1.
+    let [settings, above] = ["settings", "above_one"].map(|name| found["ranges"][name].as_u64().expect("a number"));
+    assert!(settings == 36 && (12..=20).contains(&above), "{settings} {above}");
+    let said = told(folder.path(), "measure wide.formula --all");
+    assert!(said.contains("  energy        NOT conserved by ") && said.contains("with kd=2 shift=0"), "{said}");
+    let without = measured(folder.path(), "wide.formula");
+    assert!(without.get("ranges").is_none());
+}

@@ -1,5 +1,6 @@
 //! What `measure --json` prints. Angles are in degrees: from the normal, and around it from the tangent.
 
+use crate::cli::measure::settings::RangeFindings;
 use illuminator::instrument::DirectionPair;
 use illuminator::instrument::albedo::{EQUAL, GreatestAlbedo};
 use illuminator::instrument::expressions::ExpressionRange;
@@ -37,6 +38,44 @@ pub(super) struct MeasurementReport {
     pub(super) pairs: usize,
     /// The macros and the result of the formula.
     pub(super) expressions: Vec<ExpressionReport>,
+    /// The same over the ranges of parameters, if that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) ranges: Option<RangeReport>,
+}
+
+/// What was found over the ranges of parameters. Values are written as for `--set`.
+#[derive(Serialize)]
+pub(super) struct RangeReport {
+    /// The parameters that were moved.
+    pub(super) parameters: Vec<String>,
+    /// How many settings were tried, and how many of them reflect more than all of a beam.
+    pub(super) settings: usize,
+    pub(super) above_one: usize,
+    /// The greatest share of a beam, and the values there.
+    pub(super) greatest_albedo: Option<GreatestReport>,
+    pub(super) greatest_with: Option<String>,
+    /// The smallest value, and the values of parameters there.
+    pub(super) smallest: Option<f64>,
+    pub(super) smallest_with: Option<String>,
+    /// Values of parameters for which a value is not finite; null if there are none.
+    pub(super) not_finite_with: Option<String>,
+}
+
+impl RangeReport {
+    fn new(found: RangeFindings) -> Self {
+        let (greatest, greatest_with) = found.greatest.unzip();
+        let (smallest, smallest_with) = found.smallest.unzip();
+        Self {
+            parameters: found.moved,
+            settings: found.settings,
+            above_one: found.above_one,
+            greatest_albedo: greatest.as_ref().map(GreatestReport::new),
+            greatest_with,
+            smallest,
+            smallest_with,
+            not_finite_with: found.not_finite,
+        }
+    }
 }
 
 /// The greatest share of the light.
@@ -133,7 +172,12 @@ impl PairReport {
 }
 
 impl MeasurementReport {
-    pub(super) fn new(model: &str, measured: &ModelMeasurement, expressions: &[ExpressionRange], pairs: usize) -> Self {
+    pub(super) fn new(
+        model: &str,
+        measured: &ModelMeasurement,
+        (expressions, pairs): (&[ExpressionRange], usize),
+        ranges: Option<RangeFindings>,
+    ) -> Self {
         let rows = measured.rows.iter().map(|row| AlbedoReport {
             theta: row.polar,
             beam: row.beam.map(share),
@@ -164,6 +208,7 @@ impl MeasurementReport {
             not_finite: measured.not_finite.as_ref().map(PairReport::new),
             pairs,
             expressions: expressions.iter().map(expression).collect(),
+            ranges: ranges.map(RangeReport::new),
         }
     }
 

@@ -1,6 +1,6 @@
 //! What `measure` prints: the verdict first, then the numbers.
 
-use crate::cli::measure::report::{COMPONENTS, ExpressionReport, GreatestReport, MeasurementReport, PairReport};
+use crate::cli::measure::report::{COMPONENTS, ExpressionReport, GreatestReport, MeasurementReport, PairReport, RangeReport};
 use std::fmt::Write;
 
 /// The width of the names at the left.
@@ -32,6 +32,9 @@ pub(super) fn table(report: &MeasurementReport) -> String {
     if let Some(pair) = &report.not_finite {
         fact("NOT FINITE", format!("at {}; there it counts as 0", place(pair)));
     }
+    if let Some(ranges) = &report.ranges {
+        text.push_str(&over_ranges(ranges));
+    }
     text.push('\n');
     text.push_str(&shares(report));
     if !report.expressions.is_empty() {
@@ -61,7 +64,10 @@ fn verdict(report: &MeasurementReport) -> String {
     match greatest.above_one_from {
         None => format!("conserved: at most {:.3} of a beam of light is reflected ({at})", greatest.share),
         Some(from) if from <= 0.05 => format!("NOT conserved: {:.3} of the light at {at}; above 1 at once", greatest.share),
-        Some(from) => format!("NOT conserved: {:.3} of the light at {at}; above 1 from {}", greatest.share, degrees(from)),
+        Some(from) => {
+            let only = if from > 89.0 { "only along the surface, " } else { "" };
+            format!("NOT conserved: {:.3} of the light at {at}; {only}above 1 from {}", greatest.share, degrees(from))
+        }
     }
 }
 
@@ -100,6 +106,40 @@ fn place(pair: &PairReport) -> String {
         format!("{}{azimuth}", degrees(polar))
     };
     format!("light {}, viewer {}", of(pair.light), of(pair.view))
+}
+
+/// What was found over the ranges of parameters.
+fn over_ranges(ranges: &RangeReport) -> String {
+    let RangeReport { parameters, settings, above_one, .. } = ranges;
+    if parameters.is_empty() {
+        return "\nno parameter has a range\n".to_owned();
+    }
+    let mut text = format!("\nover the ranges of {} ({settings} settings)\n", parameters.join(", "));
+    let with = |values: &Option<String>| values.as_ref().map_or_else(String::new, |values| format!(", with {values}"));
+    let mut fact = |name: &str, said: String| {
+        let _ = writeln!(text, "  {name:<NAME_WIDTH$}{said}");
+    };
+    if let Some(greatest) = &ranges.greatest_albedo {
+        let most = format!("{:.3} of a beam at {}{}", greatest.share, degrees(greatest.theta), with(&ranges.greatest_with));
+        fact(
+            "energy",
+            match above_one {
+                0 if greatest.above_one_from.is_none() => format!("conserved by all; at most {most}"),
+                count => format!("NOT conserved by {}; most: {most}", (*count).max(1)),
+            },
+        );
+    }
+    match ranges.smallest {
+        Some(smallest) if smallest < 0.0 => {
+            fact("smallest", format!("NEGATIVE: {}{}", number(smallest), with(&ranges.smallest_with)))
+        }
+        Some(smallest) => fact("smallest", format!("{}, never negative", number(smallest))),
+        None => fact("smallest", "no finite value".to_owned()),
+    }
+    if ranges.not_finite_with.is_some() {
+        fact("NOT FINITE", with(&ranges.not_finite_with).trim_start_matches([',', ' ']).to_owned());
+    }
+    text
 }
 
 /// The shares by angle.
