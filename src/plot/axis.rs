@@ -32,7 +32,7 @@ impl ChartAxis {
     }
 
     /// The title with the unit.
-    pub(super) fn full_title(&self) -> String {
+    pub fn full_title(&self) -> String {
         if self.unit.is_empty() { self.title.clone() } else { format!("{} ({})", self.title, self.unit) }
     }
 

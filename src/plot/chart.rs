@@ -1,6 +1,7 @@
 //! All kinds of charts.
 
 use crate::plot::cartesian::CartesianChart;
+use crate::plot::curve::Heading;
 use crate::plot::figure::Figure;
 use crate::plot::lobe::LobeChart;
 use crate::plot::map::MapChart;
@@ -29,6 +30,16 @@ impl Chart {
             Chart::Polar(chart) => chart.figure(size, theme),
             Chart::Map(chart) => chart.figure(size, theme),
             Chart::Lobe(chart) => chart.figure(size, theme),
+        }
+    }
+
+    /// What stands over it. Where that is written elsewhere, it may be taken away.
+    pub fn heading_mut(&mut self) -> &mut Heading {
+        match self {
+            Chart::Cartesian(chart) => &mut chart.heading,
+            Chart::Polar(chart) => &mut chart.heading,
+            Chart::Map(chart) => &mut chart.heading,
+            Chart::Lobe(chart) => &mut chart.heading,
         }
     }
 

@@ -117,6 +117,32 @@ impl Figure {
         Self { size: size.map(f64::from), background, title: title.to_owned(), marks: Vec::new() }
     }
 
+    /// The same drawing, larger by a factor. Images keep their pixels.
+    pub fn scaled(mut self, factor: f64) -> Self {
+        let scale = |point: &mut [f64; 2]| point.iter_mut().for_each(|coordinate| *coordinate *= factor);
+        scale(&mut self.size);
+        for mark in &mut self.marks {
+            match mark {
+                FigureMark::Path { points, stroke, .. } => {
+                    points.iter_mut().for_each(scale);
+                    if let Some(stroke) = stroke {
+                        stroke.width *= factor;
+                        stroke.dashes.iter_mut().for_each(|length| *length *= factor);
+                    }
+                }
+                FigureMark::Text { at, size, .. } => {
+                    scale(at);
+                    *size *= factor;
+                }
+                FigureMark::Image { at, size, .. } => {
+                    scale(at);
+                    scale(size);
+                }
+            }
+        }
+        self
+    }
+
     /// Adds a line through points.
     pub fn line(&mut self, points: Vec<[f64; 2]>, stroke: Stroke) {
         self.marks.push(FigureMark::Path { points, closed: false, fill: None, stroke: Some(stroke) });

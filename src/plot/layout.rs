@@ -10,6 +10,9 @@ const LABEL_SIZE: f64 = 13.0;
 /// The usual size of a chart, for which sizes and widths are given.
 const USUAL_SIZE: [f64; 2] = [800.0, 600.0];
 
+/// The least size of a unit: labels stay legible in small charts.
+const LEAST_UNIT: f64 = 0.8;
+
 /// A rectangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ChartArea {
@@ -50,7 +53,7 @@ impl ChartSheet {
     /// A sheet with its heading.
     pub(super) fn new(size: [u32; 2], theme: ChartTheme, heading: &ChartHeading) -> Self {
         let [width, height] = size.map(f64::from);
-        let unit = (width / USUAL_SIZE[0]).min(height / USUAL_SIZE[1]).clamp(0.5, 8.0);
+        let unit = (width / USUAL_SIZE[0]).min(height / USUAL_SIZE[1]).clamp(LEAST_UNIT, 8.0);
         let title =
             if heading.subtitle.is_empty() { heading.title.clone() } else { format!("{}: {}", heading.title, heading.subtitle) };
         let figure = Figure::new(size, theme.paper(), &title);

@@ -26,7 +26,7 @@ impl ChartTheme {
     }
 
     /// The paper.
-    pub(super) fn paper(self) -> [u8; 3] {
+    pub fn paper(self) -> [u8; 3] {
         self.pick([255; 3], [24, 26, 30])
     }
 
@@ -36,12 +36,12 @@ impl ChartTheme {
     }
 
     /// What is said beside: labels of ticks.
-    pub(super) fn muted(self) -> [u8; 3] {
+    pub fn muted(self) -> [u8; 3] {
         self.pick([92, 97, 105], [160, 166, 176])
     }
 
     /// Lines of the grid.
-    pub(super) fn grid(self) -> [u8; 3] {
+    pub fn grid(self) -> [u8; 3] {
         self.pick([226, 229, 233], [52, 56, 63])
     }
 
@@ -51,17 +51,17 @@ impl ChartTheme {
     }
 
     /// The lines around the area of a chart.
-    pub(super) fn frame(self) -> [u8; 3] {
+    pub fn frame(self) -> [u8; 3] {
         self.pick([140, 146, 154], [104, 110, 120])
     }
 
     /// Lines that warn: where more light leaves than comes.
-    pub(super) fn warning(self) -> [u8; 3] {
+    pub fn warning(self) -> [u8; 3] {
         self.pick([190, 40, 40], [250, 120, 110])
     }
 
     /// The colour of a curve. They repeat.
-    pub(super) fn curve(self, index: usize) -> [u8; 3] {
+    pub fn curve(self, index: usize) -> [u8; 3] {
         let colours = &self.pick(CURVES[0], CURVES[1]);
         colours[index % colours.len()]
     }

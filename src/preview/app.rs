@@ -8,6 +8,7 @@
 mod action;
 mod asset_loading;
 mod autosave;
+mod chart_format;
 mod colours;
 mod comparison;
 mod confirmation;
@@ -21,6 +22,7 @@ mod hand;
 mod histogram;
 mod image_rows;
 mod inspector;
+mod instruments;
 mod jobs;
 mod key_groups;
 mod key_list;
@@ -71,6 +73,7 @@ use crate::user_data::settings::{PanelSide, WindowSettings};
 use crate::workspace::AssetStore;
 use crate::workspace::FileKind;
 use crate::workspace::Location;
+use crate::workspace::OwnerId;
 use crate::workspace::presets::DEFAULT_SESSION;
 use crate::workspace::project::SessionMistakes;
 use asset_loading::AssetLoading;
@@ -82,6 +85,7 @@ use focus_ring::FocusRing;
 use gallery::Gallery;
 use hand::Hand;
 use inspector::InspectorPanel;
+use instruments::InstrumentPanel;
 use jobs::{JobResult, Jobs};
 use log::Log;
 use materials::MaterialRow;
@@ -140,6 +144,7 @@ pub struct App {
     dropped: DroppedFiles,
     settings_dialog: SettingsDialog,
     inspector: InspectorPanel,
+    instruments: InstrumentPanel,
     materials: MaterialRow,
     user_state: UserState,
     /// When drafts were written last, in seconds of egui's clock.
@@ -224,6 +229,7 @@ impl App {
             dropped: DroppedFiles::default(),
             settings_dialog: SettingsDialog::default(),
             inspector: InspectorPanel::default(),
+            instruments: InstrumentPanel::new(user_state.settings.window.instruments, waker(&context)),
             materials: MaterialRow::default(),
             drafts_written_at: 0.0,
             theme: Theme::Dark,
@@ -310,6 +316,11 @@ impl App {
         }
         self.inspector.set_passes(self.workshop.renderer().passes());
         self.inspector.ui(ui, &self.workshop, &mut sizes);
+        if let Some(place) = self.inspector.take_place() {
+            self.parameters.select(OwnerId::Body(place.body));
+            self.instruments.look_at(place);
+        }
+        self.instruments_ui(ui, &mut sizes, &mut actions);
         self.user_state.settings.window.panels = sizes;
         CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
             Panel::bottom("view controls").show(ui, |ui| view_controls::bar(self, ui, &mut actions));
@@ -403,6 +414,8 @@ impl App {
         match result {
             JobResult::Done(text) => self.confirm(text),
             JobResult::ThumbnailMade(key, image) => self.thumbnails.keep(self.context.get(), *key, image),
+            JobResult::ChartNotSaved(error) => self.tell_not_saved(&error, Action::ShowSaveChartDialog),
+            JobResult::MeasuredRead(path, read) => self.take_measured(&path, read),
             JobResult::PictureNotSaved(error) => self.tell_not_saved(&error, Action::ShowSavePictureDialog),
             JobResult::ImageRead(image) => self.set_image(*image),
             JobResult::DraftsWritten(Ok(())) => {

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 pub mod app;
 pub mod editor;
+mod latest;
 pub mod paint;
 pub mod renderer;
 mod resampling;

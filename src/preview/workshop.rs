@@ -9,6 +9,7 @@ mod first_look;
 mod history;
 mod moving;
 mod opening;
+mod reflection;
 mod snapshots;
 mod stand_ins;
 mod thumbnail;

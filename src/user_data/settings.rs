@@ -76,6 +76,8 @@ pub struct WindowSettings {
     pub gallery: bool,
     /// Whether the log is shown.
     pub log: bool,
+    /// Whether the instruments are shown.
+    pub instruments: bool,
     /// Width and height of the window in pixels when it was last closed, each within [`WINDOW_SIDES`].
     pub size: [u32; 2],
     /// The sizes of its panels.
@@ -161,6 +163,7 @@ impl Default for WindowSettings {
             apply_as_you_type: false,
             gallery: true,
             log: false,
+            instruments: false,
             size: [1280, 800],
             panels: PanelSizes::default(),
         }

@@ -72,6 +72,7 @@ const ROOMS: [(&str, &[&str]); 30] = [
         &[
             "files",
             "texture",
+            "measured",
             "lang",
             "formula",
             "scene",
@@ -83,6 +84,9 @@ const ROOMS: [(&str, &[&str]); 30] = [
             "backends",
             "engine",
             "picture",
+            "plot",
+            "instrument",
+            "sensitivity",
             "workspace",
             "assist",
             "user_data",

@@ -50,12 +50,12 @@ fn reflection_curves(models: &[NamedModel], polar: &[f64], settings: &ViewSettin
                 let model_name = ViewSettings::name_among(models, number);
                 let incoming = if polar.len() > 1 || model_name.is_empty() { incoming_name(*angle) } else { String::new() };
                 let words = [model_name.as_str(), &incoming, *part].into_iter().filter(|word| !word.is_empty());
-                // Among components, colours tell them apart; else among angles; else among models.
+                // Among components, colours tell them apart; else among models; else among angles.
                 let is_colour_free = parts.len() == 1;
                 let (colour, dashes) = match own_colour.filter(|_| !is_colour_free) {
                     Some(colour) => (colour, index * models.len() + number),
-                    None if polar.len() > 1 => (index, number),
-                    None => (number, 0),
+                    None if models.len() > 1 => (number, index),
+                    None => (index, 0),
                 };
                 curves.push(Curve {
                     name: words.collect::<Vec<_>>().join(", "),
@@ -94,7 +94,8 @@ pub(super) fn polar(models: &[NamedModel], settings: &ViewSettings) -> Chart {
     let polar = settings.polar_or(&USUAL_POLAR);
     let [title, unit] = settings.shown.title();
     let curves = reflection_curves(models, &polar, settings);
-    let colour_of = |index: usize| if polar.len() > 1 && settings.component != Some(Component::Each) { index } else { 6 };
+    let by_angle = polar.len() > 1 && models.len() == 1 && settings.component != Some(Component::Each);
+    let colour_of = |index: usize| if by_angle { index } else { 6 };
     Chart::Polar(PolarChart {
         heading: reflection_heading(models, &polar, settings),
         angle: ChartAxis::angles("outgoing angle", [-90.0, 90.0]),

@@ -34,6 +34,19 @@ pub enum ViewChoice {
 
 use ViewChoice::{Component as OfComponent, FalseColours, LightAzimuth, LightPolar, Log, Plane, SeenFrom, Shown as OfShown};
 
+/// From where light comes in a view.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LightUse {
+    /// From each of [`ViewSettings::light_polar`], together in one chart.
+    Several,
+    /// The same, but each angle takes a picture of its own.
+    One,
+    /// From every angle.
+    All,
+    /// From every angle, and its values are integrals over the hemisphere. They take longer.
+    Integrated,
+}
+
 /// A view.
 #[derive(Debug)]
 pub struct InstrumentView {
@@ -45,6 +58,8 @@ pub struct InstrumentView {
     pub axes: &'static str,
     /// What can be chosen beside the models.
     pub choices: &'static [ViewChoice],
+    /// From where light comes in it.
+    pub lights: LightUse,
     /// Makes the chart of one or more models.
     chart: fn(&[NamedModel], &ViewSettings) -> Chart,
 }
@@ -56,6 +71,7 @@ pub const VIEWS: [InstrumentView; 8] = [
         doc: "the BRDF in a plane through the normal, as distances from the middle",
         axes: "outgoing angle; BRDF as the distance",
         choices: &[LightPolar, LightAzimuth, Plane, Log, OfComponent, OfShown],
+        lights: LightUse::Several,
         chart: curves::polar,
     },
     InstrumentView {
@@ -63,6 +79,7 @@ pub const VIEWS: [InstrumentView; 8] = [
         doc: "the same, over two axes",
         axes: "outgoing angle from −90° to 90°; BRDF",
         choices: &[LightPolar, LightAzimuth, Plane, Log, OfComponent, OfShown],
+        lights: LightUse::Several,
         chart: curves::cartesian,
     },
     InstrumentView {
@@ -70,6 +87,7 @@ pub const VIEWS: [InstrumentView; 8] = [
         doc: "the BRDF of all outgoing directions, as a surface in space",
         axes: "the directions themselves; BRDF as the distance",
         choices: &[LightPolar, LightAzimuth, Log, OfComponent, OfShown, SeenFrom],
+        lights: LightUse::One,
         chart: lobes::lobe,
     },
     InstrumentView {
@@ -77,6 +95,7 @@ pub const VIEWS: [InstrumentView; 8] = [
         doc: "the picture of a material by Burley (2012): half angle by difference angle, at an azimuth of 90°",
         axes: "half angle θh, difference angle θd; π · BRDF as the colour",
         choices: &[Log, FalseColours, OfComponent],
+        lights: LightUse::All,
         chart: maps::slice,
     },
     InstrumentView {
@@ -84,6 +103,7 @@ pub const VIEWS: [InstrumentView; 8] = [
         doc: "the share of a beam of light that is reflected, with a line at 1",
         axes: "incoming angle; share of the light",
         choices: &[LightAzimuth, Log, OfComponent],
+        lights: LightUse::Integrated,
         chart: curves::albedo,
     },
     InstrumentView {
@@ -91,6 +111,7 @@ pub const VIEWS: [InstrumentView; 8] = [
         doc: "a ball in a white furnace, light from everywhere: it vanishes if it loses and makes no light",
         axes: "the ball, seen from the front",
         choices: &[],
+        lights: LightUse::Integrated,
         chart: ball::furnace,
     },
     InstrumentView {
@@ -98,6 +119,7 @@ pub const VIEWS: [InstrumentView; 8] = [
         doc: "the relative difference of the BRDF if light and viewer change places",
         axes: "incoming angle, outgoing angle; difference as the colour",
         choices: &[LightAzimuth, Plane],
+        lights: LightUse::All,
         chart: maps::reciprocity,
     },
     InstrumentView {
@@ -105,6 +127,7 @@ pub const VIEWS: [InstrumentView; 8] = [
         doc: "a ball that a distant light shines on",
         axes: "the ball, seen from the front",
         choices: &[LightPolar, LightAzimuth],
+        lights: LightUse::One,
         chart: ball::sphere,
     },
 ];

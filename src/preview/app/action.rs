@@ -71,6 +71,14 @@ pub enum Action {
     RestoreMaterial(Box<MaterialChange>),
     /// Show the dialog that saves the picture.
     ShowSavePictureDialog,
+    /// Show the dialog that saves the chart of the instruments.
+    ShowSaveChartDialog,
+    /// Save the chart of the instruments, in the format of the suffix.
+    SaveChart(PathBuf),
+    /// Show the dialog that chooses a measured material for the instruments.
+    ShowMeasuredDialog,
+    /// Show the measured material in a file beside the formula in the instruments.
+    AddMeasured(PathBuf),
     /// Copy the picture in view to the clipboard.
     CopyPicture,
     /// Save the session to its file.
@@ -162,6 +170,8 @@ pub enum PanelId {
     Reference,
     /// The pixel inspector.
     Inspector,
+    /// The instruments.
+    Instruments,
 }
 
 /// Every shortcut of an action that is not on the scene.
@@ -219,6 +229,7 @@ pub(super) fn shortcuts() -> Vec<Shortcut<Action>> {
                 (plain(Key::F4), panel(PanelId::Parameters), "Show or hide the parameters"),
                 (plain(Key::F5), panel(PanelId::Inspector), "Show or hide the pixel inspector"),
                 (plain(Key::F12), panel(PanelId::Log), "Show or hide the log"),
+                (ctrl(Key::I), panel(PanelId::Instruments), "Show or hide the instruments: views of the formula itself"),
             ],
         ),
     ];

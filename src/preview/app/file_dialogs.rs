@@ -1,9 +1,11 @@
 //! The dialogs for files: which files they list, and which name and folder they suggest.
 
 use crate::lang::display_text::one_line;
+use crate::measured;
 use crate::mesh::FORMATS;
 use crate::picture::Format;
 use crate::preview::app::Action;
+use crate::preview::app::chart_format::ChartFormat;
 use crate::preview::app::question::Question;
 use crate::preview::app::scene_actions::MeshSpot;
 use crate::workspace::FileKind;
@@ -22,6 +24,8 @@ enum Purpose {
     Image(OwnerId, String),
     Mesh,
     Save(Option<FileKind>),
+    Measured,
+    SaveChart,
 }
 
 /// The file dialog that is open, and the folder that was used last.
@@ -38,6 +42,9 @@ const IMAGES: &str = "Images";
 
 /// The name of the filter for meshes.
 const MESHES: &str = "Meshes";
+
+/// The name of the filter for measured materials.
+const MEASURED: &str = "Measured materials";
 
 /// The format that is suggested for pictures.
 const PICTURE: Format = Format::Png;
@@ -93,6 +100,26 @@ impl FileDialogs {
         let mut dialog = dialog.add_file_filter_extensions(MESHES, suffixes).default_file_filter(MESHES);
         dialog.pick_file();
         self.shown = Some((dialog, Purpose::Mesh));
+    }
+
+    /// Shows the dialog that chooses a measured material. `near` is as for [`open`](Self::open).
+    pub(super) fn choose_measured(&mut self, near: Option<&Path>) {
+        let dialog = dialog("Show a measured material", self.last_folder.as_deref().or(near));
+        let of_materials = measured::FORMATS.iter().filter(|format| format.has_all_directions);
+        let suffixes: Vec<&str> = of_materials.flat_map(|format| format.suffixes.iter().copied()).collect();
+        let mut dialog = dialog.add_file_filter_extensions(MEASURED, suffixes).default_file_filter(MEASURED);
+        dialog.pick_file();
+        self.shown = Some((dialog, Purpose::Measured));
+    }
+
+    /// Shows the dialog that saves a chart, with a suggested name.
+    pub(super) fn save_chart(&mut self, suggested: &Suggestion) {
+        let folder = suggested.folder.as_deref().or(self.last_folder.as_deref());
+        let dialog = dialog("Save chart", folder).default_file_name(&suggested.name);
+        let add = |dialog: FileDialog, format: ChartFormat| dialog.add_save_extension(format.name(), format.suffix());
+        let mut dialog = ChartFormat::ALL.into_iter().fold(dialog, add).default_save_extension(ChartFormat::ALL[0].name());
+        dialog.save_file();
+        self.shown = Some((dialog, Purpose::SaveChart));
     }
 
     /// Shows the dialog that saves something of this kind, or the picture, with a suggested path.
@@ -155,20 +182,29 @@ impl FileDialogs {
             Purpose::Open(kind) => actions.push(Action::Open(kind, Location::File(path))),
             Purpose::Image(owner, parameter) => actions.push(Action::SetImage(owner, parameter, path)),
             Purpose::Mesh => actions.push(Action::AddMesh(path, MeshSpot::MIDDLE)),
+            Purpose::Measured => actions.push(Action::AddMeasured(path)),
+            Purpose::SaveChart if path.extension().is_some() => actions.push(Action::SaveChart(path)),
+            Purpose::SaveChart => return replacing(path, ChartFormat::ALL[0].suffix(), Action::SaveChart, actions),
             Purpose::Save(kind) if path.extension().is_some() => actions.push(Action::SaveTo(kind, path)),
             Purpose::Save(kind) => {
                 let suffix = kind.map_or(PICTURE.suffix(), FileKind::suffix);
-                let path = path.with_added_extension(suffix);
-                if path.exists() {
-                    let text = format!("There is already a file {}.", one_line(&path.display().to_string()));
-                    let question = Question::new("Replace the file?", text).answer("Replace", Action::SaveTo(kind, path));
-                    return Some(question.or("Cancel").dismissed(Action::StopSaving));
-                }
-                actions.push(Action::SaveTo(kind, path));
+                return replacing(path, suffix, |path| Action::SaveTo(kind, path), actions);
             }
         }
         None
     }
+}
+
+/// Saves to a path with this suffix behind it; asks first if there is a file, which the user has not seen then.
+fn replacing(path: PathBuf, suffix: &str, save: impl Fn(PathBuf) -> Action, actions: &mut Vec<Action>) -> Option<Question> {
+    let path = path.with_added_extension(suffix);
+    if path.exists() {
+        let text = format!("There is already a file {}.", one_line(&path.display().to_string()));
+        let question = Question::new("Replace the file?", text).answer("Replace", save(path));
+        return Some(question.or("Cancel").dismissed(Action::StopSaving));
+    }
+    actions.push(save(path));
+    None
 }
 
 /// Gives texts without a colour the colour of the theme. The dialog writes the name of a file that would be replaced

@@ -94,6 +94,10 @@ impl App {
             Action::StopSaving => self.stop_saving(),
             Action::ShowSavePictureDialog => self.show_save_dialog(None, "Save picture"),
             Action::CopyPicture => self.copy_picture(),
+            Action::ShowSaveChartDialog => self.show_save_chart_dialog(),
+            Action::SaveChart(path) => self.save_chart(path),
+            Action::ShowMeasuredDialog => self.show_measured_dialog(),
+            Action::AddMeasured(path) => self.add_measured(path),
             Action::SaveSession => match self.session.clone() {
                 // What could not be read of a session would be lost in its own file.
                 Some(Location::File(path)) if self.mistakes.session_errors.is_none() => {
@@ -133,8 +137,8 @@ impl App {
             Action::ShowSettings => self.settings_dialog.open(&self.user_state.settings, self.session.as_ref()),
             Action::SaveSettings(settings) => {
                 // What the window has noted meanwhile, such as its size, is not in the dialog.
-                let WindowSettings { log, size, panels, .. } = self.user_state.settings.window;
-                let window = WindowSettings { log, size, panels, ..settings.window };
+                let WindowSettings { log, instruments, size, panels, .. } = self.user_state.settings.window;
+                let window = WindowSettings { log, instruments, size, panels, ..settings.window };
                 self.change_settings(|kept| *kept = Settings { window, ..*settings });
             }
             Action::ShowGallery => self.gallery.open(|kind| self.user_state.recent(kind)),
@@ -180,11 +184,13 @@ impl App {
             PanelId::Log => &mut panels.log,
             PanelId::Reference => &mut panels.reference,
             PanelId::Inspector => &mut self.inspector.open,
+            PanelId::Instruments => &mut self.instruments.open,
         };
         *seen = !*seen;
         panels.texts |= panel == PanelId::Reference && panels.reference;
-        if panel == PanelId::Log {
-            self.user_state.settings.window.log = panels.log;
+        if matches!(panel, PanelId::Log | PanelId::Instruments) {
+            let window = &mut self.user_state.settings.window;
+            (window.log, window.instruments) = (panels.log, self.instruments.open);
             self.save_settings();
         }
     }

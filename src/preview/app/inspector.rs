@@ -7,6 +7,7 @@ use crate::evaluate::inspect::{
     figures, left_out, vector_figures, weight_figures,
 };
 use crate::preview::app::colours::{paint_swatch, shown_colour};
+use crate::preview::app::instruments::InstrumentPlace;
 use crate::preview::app::pane::Placement;
 use crate::preview::app::panel_sizes::remember;
 use crate::preview::workshop::Workshop;
@@ -29,6 +30,8 @@ pub(super) struct InspectorPanel {
     /// The pass whose rays are shown; `None`: the mean. With one pass, its rays are shown.
     shown_pass: Option<u32>,
     inspected: Option<InspectedPixel>,
+    /// A hit and a light that the instruments shall show.
+    place: Option<InstrumentPlace>,
 }
 
 /// The inspected pixel.
@@ -57,6 +60,11 @@ impl InspectorPanel {
     /// Whether the colours of all passes are shown, not the rays of one.
     fn shows_mean(&self) -> bool {
         self.has_several_passes() && self.shown_pass.is_none()
+    }
+
+    /// A hit and a light that the instruments shall show, once.
+    pub(super) fn take_place(&mut self) -> Option<InstrumentPlace> {
+        self.place.take()
     }
 
     /// Inspects a pixel.
@@ -138,7 +146,7 @@ impl InspectorPanel {
             match &self.inspected {
                 Some(InspectedPixel { inspection, colours, .. }) => {
                     let chosen = if self.shows_mean() { passes_ui(ui, workshop, colours) } else { None };
-                    tree_ui(ui, workshop, inspection);
+                    tree_ui(ui, workshop, inspection, &mut self.place);
                     self.shown_pass = chosen.or(self.shown_pass);
                 }
                 None => {
@@ -242,17 +250,17 @@ fn passes_ui(ui: &mut Ui, workshop: &Workshop, colours: &PassColours) -> Option<
     chosen
 }
 
-fn tree_ui(ui: &mut Ui, workshop: &Workshop, inspection: &Inspection) {
+fn tree_ui(ui: &mut Ui, workshop: &Workshop, inspection: &Inspection, place: &mut Option<InstrumentPlace>) {
     ScrollArea::both().auto_shrink(false).show(ui, |ui| {
         for (index, ray) in inspection.rays.iter().enumerate() {
             if ray.parent.is_none() {
-                ray_ui(ui, workshop, inspection, index);
+                ray_ui(ui, workshop, (inspection, index), place);
             }
         }
     });
 }
 
-fn ray_ui(ui: &mut Ui, workshop: &Workshop, inspection: &Inspection, index: usize) {
+fn ray_ui(ui: &mut Ui, workshop: &Workshop, (inspection, index): (&Inspection, usize), place: &mut Option<InstrumentPlace>) {
     let Some(ray) = inspection.rays.get(index) else { return };
     let name = match &ray.end {
         End::Miss(InspectedMiss { environment: None, .. }) => "background",
@@ -273,12 +281,12 @@ fn ray_ui(ui: &mut Ui, workshop: &Workshop, inspection: &Inspection, index: usiz
             ui.weak(format!("{} from this hit itself, the rest from rays that continue", colour_text(ray.contribution)));
         }
         match &ray.end {
-            End::Hit(hit) => hit_ui(ui, workshop, hit),
+            End::Hit(hit) => hit_ui(ui, workshop, (inspection.pixel, hit), place),
             End::Miss(miss) => miss_ui(ui, workshop, miss),
         }
         let children = inspection.rays.iter().enumerate().filter(|(_, child)| child.parent == Some(index));
         for (child, _) in children {
-            ray_ui(ui, workshop, inspection, child);
+            ray_ui(ui, workshop, (inspection, child), place);
         }
     });
 }
@@ -307,7 +315,7 @@ fn miss_ui(ui: &mut Ui, workshop: &Workshop, miss: &InspectedMiss) {
     }
 }
 
-fn hit_ui(ui: &mut Ui, workshop: &Workshop, hit: &InspectedHit) {
+fn hit_ui(ui: &mut Ui, workshop: &Workshop, (pixel, hit): ([u32; 2], &InspectedHit), place: &mut Option<InstrumentPlace>) {
     let mut facts = format!("{}° from the normal", figures(hit.incidence));
     if let Some(crossing) = &hit.crossing {
         facts.push_str(&format!(
@@ -338,11 +346,14 @@ fn hit_ui(ui: &mut Ui, workshop: &Workshop, hit: &InspectedHit) {
         });
     }
     for light in &hit.lights {
-        light_ui(ui, workshop, hit, light);
+        if light_ui(ui, workshop, hit, light) {
+            *place = Some(InstrumentPlace::new(pixel, hit, light));
+        }
     }
 }
 
-fn light_ui(ui: &mut Ui, workshop: &Workshop, hit: &InspectedHit, light: &InspectedLight) {
+/// Draws what a light does at a hit. Returns whether the instruments shall show it.
+fn light_ui(ui: &mut Ui, workshop: &Workshop, hit: &InspectedHit, light: &InspectedLight) -> bool {
     let scene = workshop.scene();
     let name = &scene.light(light.light).name;
     let shadow = |bodies: &[BodyId]| {
@@ -361,7 +372,10 @@ fn light_ui(ui: &mut Ui, workshop: &Workshop, hit: &InspectedHit, light: &Inspec
     let added = light.evaluated.then(|| colour_text(light.contribution));
     let state = added.into_iter().chain(position).collect::<Vec<_>>().join(", ");
     let title = format!("light {name}, {}°: {state}", figures(light.angle));
+    let mut is_wanted = false;
     CollapsingHeader::new(title).id_salt(("light", light.light)).show(ui, |ui| {
+        let link = ui.link("Show in the instruments");
+        is_wanted = link.on_hover_text("Charts of the formula here, for these directions of light and viewer").clicked();
         if let Some(sample) = light.sample_text(scene, hit) {
             ui.monospace(sample);
         }
@@ -383,6 +397,7 @@ fn light_ui(ui: &mut Ui, workshop: &Workshop, hit: &InspectedHit, light: &Inspec
             vector_figures(light.contribution.map(f64::from))
         ));
     });
+    is_wanted
 }
 
 /// Draws a macro, the result or a call behind this indentation.

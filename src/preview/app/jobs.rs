@@ -2,8 +2,10 @@
 //! the interface does not wait for them.
 
 use crate::lang::diagnostic::Diagnostic;
+use crate::measured::MeasuredMaterial;
 use crate::preview::app::thumbnail_key::ThumbnailKey;
 use crate::workspace::OwnerId;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
@@ -18,6 +20,10 @@ pub(super) enum JobResult {
     Done(String),
     /// The picture was not saved, and why.
     PictureNotSaved(String),
+    /// The chart of the instruments was not saved, and why.
+    ChartNotSaved(String),
+    /// A measured material was read for the instruments, or could not be.
+    MeasuredRead(PathBuf, Result<Arc<MeasuredMaterial>, Diagnostic>),
     /// A thumbnail was made; without an image if there is none.
     ThumbnailMade(Box<ThumbnailKey>, Option<egui::ColorImage>),
     /// An image was read for a texture, or could not be.

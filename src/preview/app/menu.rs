@@ -264,6 +264,7 @@ fn view(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         (PanelId::Log, "Log", panels.log),
         (PanelId::Reference, "Language reference", panels.reference),
         (PanelId::Inspector, "Pixel inspector", app.inspector.open),
+        (PanelId::Instruments, "Instruments", app.instruments.open),
     ] {
         check_entry(ui, seen, name, Action::TogglePanel(panel), actions);
     }

@@ -14,6 +14,7 @@ mod drops;
 mod environments;
 mod focus;
 mod images;
+mod instruments;
 mod layout;
 mod light;
 mod menus;

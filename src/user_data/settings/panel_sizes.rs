@@ -13,11 +13,14 @@ pub enum PanelSide {
     Owners,
     /// The height of the pixel inspector.
     Inspector,
+    /// The height of the instruments.
+    Instruments,
 }
 
 impl PanelSide {
     /// Every side.
-    pub const ALL: [PanelSide; 4] = [PanelSide::Texts, PanelSide::Parameters, PanelSide::Owners, PanelSide::Inspector];
+    pub const ALL: [PanelSide; 5] =
+        [PanelSide::Texts, PanelSide::Parameters, PanelSide::Owners, PanelSide::Inspector, PanelSide::Instruments];
 
     /// Its key in the file.
     pub fn key(self) -> &'static str {
@@ -26,6 +29,7 @@ impl PanelSide {
             PanelSide::Parameters => "parameters_width",
             PanelSide::Owners => "owners_height",
             PanelSide::Inspector => "inspector_height",
+            PanelSide::Instruments => "instruments_height",
         }
     }
 
@@ -41,6 +45,7 @@ impl PanelSide {
             PanelSide::Parameters => 310.0,
             PanelSide::Owners => 240.0,
             PanelSide::Inspector => 240.0,
+            PanelSide::Instruments => 380.0,
         }
     }
 }

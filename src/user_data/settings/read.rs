@@ -17,7 +17,7 @@ use crate::workspace::spanned_toml::{TomlEntry, Value, check_version, entries, p
 
 const KEYS: [&str; 12] =
     ["version", "shadows", "depth", "size", "ior", "srgb", "samples", "backend", "memory", "startup", "defaults", "window"];
-const WINDOW_KEYS: [&str; 6] = ["theme", "scale", "apply_as_you_type", "gallery", "log", "size"];
+const WINDOW_KEYS: [&str; 7] = ["theme", "scale", "apply_as_you_type", "gallery", "log", "instruments", "size"];
 
 /// A parsed text.
 #[derive(Default)]
@@ -241,6 +241,11 @@ impl ParsedSettings {
             "log" => {
                 if let Some(log) = self.report_error(entry.value.truth()) {
                     self.settings.window.log = log;
+                }
+            }
+            "instruments" => {
+                if let Some(instruments) = self.report_error(entry.value.truth()) {
+                    self.settings.window.instruments = instruments;
                 }
             }
             "size" => self.settings.window.size = self.sides(entry.value, WINDOW_SIDES, self.settings.window.size),

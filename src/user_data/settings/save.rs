@@ -36,6 +36,7 @@ struct WindowText<'s> {
     apply_as_you_type: bool,
     gallery: bool,
     log: bool,
+    instruments: bool,
     size: [u32; 2],
     #[serde(flatten)]
     panels: PanelSizes,
@@ -94,6 +95,7 @@ pub(super) fn to_toml(settings: &Settings, unknown: &UnknownKeys) -> Result<Stri
             apply_as_you_type: window.apply_as_you_type,
             gallery: window.gallery,
             log: window.log,
+            instruments: window.instruments,
             size: window.size,
             panels: window.panels,
             unknown: &unknown.window,

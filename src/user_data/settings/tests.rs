@@ -31,6 +31,7 @@ scale = 1.5
 apply_as_you_type = true
 gallery = false
 log = true
+instruments = true
 size = [1920, 1080]
 owners_height = 300
 "#;
@@ -72,7 +73,8 @@ fn settings_are_read() {
     let mut panels = PanelSizes::default();
     panels.set(PanelSide::Owners, 300.0);
     let (theme, size) = (ThemeSetting::Light, [1920, 1080]);
-    let window = WindowSettings { theme, scale: 1.5, apply_as_you_type: true, gallery: false, log: true, size, panels };
+    let (apply_as_you_type, gallery, log, instruments) = (true, false, true, true);
+    let window = WindowSettings { theme, scale: 1.5, apply_as_you_type, gallery, log, instruments, size, panels };
     assert_eq!(settings.window, window);
 }
 
@@ -320,7 +322,7 @@ fn two_programs_keep_each_others_changes() {
     other.save(&second).unwrap();
     let settings = SettingsFile::new(&folders).read().settings;
     assert_eq!((settings.depth, settings.window.theme, settings.window.log), (9, ThemeSetting::Dark, false));
-    assert_eq!(PanelSide::ALL.map(|side| settings.window.panels.get(side)), [500.0, 310.0, 99.0, 240.0]);
+    assert_eq!(PanelSide::ALL.map(|side| settings.window.panels.get(side)), [500.0, 310.0, 99.0, 240.0, 380.0]);
     assert_eq!(settings.defaults.of(Predefined::Reflection), [0.5]);
     assert_eq!(settings.defaults.of(Predefined::Refraction), [0.25]);
 }
@@ -361,9 +363,9 @@ fn a_path_that_is_no_text_is_refused() {
 fn any_settings() -> impl Strategy<Value = Settings> {
     let values = proptest::collection::vec(proptest::array::uniform3(any::<f32>()), Predefined::ALL.len());
     let numbers = (any::<u32>(), any::<[u32; 2]>(), any::<f64>(), any::<f32>(), any::<[u32; 2]>());
-    (any::<[bool; 6]>(), numbers, "/?[^/\0]{1,12}", proptest::sample::select(ThemeSetting::ALL.to_vec()), values).prop_map(
+    (any::<[bool; 7]>(), numbers, "/?[^/\0]{1,12}", proptest::sample::select(ThemeSetting::ALL.to_vec()), values).prop_map(
         |(
-            [shadows, apply_as_you_type, log, gallery, srgb, compiled],
+            [shadows, apply_as_you_type, log, instruments, gallery, srgb, compiled],
             (depth, size, default_index, scale, window),
             startup,
             theme,
@@ -376,7 +378,9 @@ fn any_settings() -> impl Strategy<Value = Settings> {
             let mut panels = PanelSizes::default();
             panels.set(PanelSide::Texts, scale * 100.0);
             panels.set(PanelSide::Inspector, scale);
-            let window = WindowSettings { theme, scale, apply_as_you_type, gallery, log, size: window, panels };
+            let size_of_window = window;
+            let window =
+                WindowSettings { theme, scale, apply_as_you_type, gallery, log, instruments, size: size_of_window, panels };
             let startup = Location::new(startup);
             let transfer = if srgb { Transfer::Srgb } else { Transfer::Linear };
             let backend = if compiled { DEFAULT } else { crate::backends::REFERENCE };

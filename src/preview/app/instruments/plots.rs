@@ -1,0 +1,289 @@
+//! Curves in the window: over two axes, and over an angle in a half disc. They can be zoomed, and tell their numbers
+//! under the pointer. The colours are those of saved charts.
+
+use crate::plot::{CartesianChart, ChartAxis, ChartTheme, Curve, Dashes, PolarChart};
+use egui::{Align2, Color32, RichText, Ui};
+use egui_plot::{
+    Corner, GridMark, HLine, HoverPosition, Legend, Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotUi, Text, VLine,
+};
+
+/// How many decades a logarithmic axis shows below the greatest number.
+const MOST_DECADES: f64 = 6.0;
+/// The width of a curve, in points.
+const WIDTH: f32 = 2.0;
+
+/// How numbers of an axis become coordinates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct PlotScale {
+    /// The power of ten that stands at 0, if equal distances are equal ratios.
+    lowest: Option<f64>,
+}
+
+impl PlotScale {
+    fn new(axis: &ChartAxis, curves: &[Curve]) -> Self {
+        let numbers = curves.iter().flat_map(|curve| curve.points.iter().map(|point| point[1]));
+        let positive = numbers.filter(|number| number.is_finite() && *number > 0.0);
+        let greatest = positive.clone().fold(f64::NEG_INFINITY, f64::max);
+        let least = positive.fold(f64::INFINITY, f64::min);
+        let lowest = if greatest.is_finite() {
+            let high = greatest.log10().ceil();
+            least.log10().floor().clamp(high - MOST_DECADES, high - 1.0)
+        } else {
+            -1.0
+        };
+        Self { lowest: axis.is_log.then_some(lowest) }
+    }
+
+    /// The coordinate of a number. What a logarithmic axis has no place for is at its beginning.
+    fn place(self, number: f64) -> f64 {
+        match self.lowest {
+            None => number,
+            Some(lowest) if number > 0.0 => (number.log10() - lowest).max(0.0),
+            Some(_) if number.is_nan() => number,
+            Some(_) => 0.0,
+        }
+    }
+
+    /// The number at a coordinate.
+    fn number(self, place: f64) -> f64 {
+        self.lowest.map_or(place, |lowest| 10_f64.powf(place + lowest))
+    }
+}
+
+/// A number for people: four digits, with a power of ten if it is very small or large.
+fn number_text(number: f64) -> String {
+    let size = number.abs();
+    if number == 0.0 {
+        "0".to_owned()
+    } else if (1e-3..1e5).contains(&size) {
+        let decimals = (3 - size.log10().floor() as i32).clamp(0, 6) as usize;
+        let text = format!("{number:.decimals$}");
+        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    } else {
+        format!("{number:.2e}")
+    }
+}
+
+/// A text of a chart without its small low letters, which widgets do not have.
+pub(super) fn plain(text: &str) -> String {
+    let letters = text.chars().filter(|letter| *letter != '\u{e001}');
+    letters.collect()
+}
+
+fn colour_of([red, green, blue]: [u8; 3]) -> Color32 {
+    Color32::from_rgb(red, green, blue)
+}
+
+fn style_of(dashes: Dashes) -> LineStyle {
+    match dashes {
+        Dashes::Solid => LineStyle::Solid,
+        Dashes::Dashed => LineStyle::Dashed { length: 9.0 },
+        Dashes::Dotted => LineStyle::Dotted { spacing: 5.0 },
+        Dashes::DashDotted => LineStyle::Dashed { length: 4.0 },
+    }
+}
+
+/// Adds curves whose points are put in their places. A point that is not finite is a gap.
+fn add_curves(plot: &mut PlotUi<'_>, curves: &[Curve], theme: ChartTheme, place: impl Fn([f64; 2]) -> [f64; 2]) {
+    for curve in curves {
+        for piece in curve.points.split(|point| !point.iter().all(|number| number.is_finite())) {
+            if piece.len() > 1 {
+                let points: Vec<[f64; 2]> = piece.iter().map(|point| place(*point)).collect();
+                let line = Line::new(plain(&curve.name), PlotPoints::from(points)).width(WIDTH);
+                plot.line(line.color(colour_of(theme.curve(curve.colour))).style(style_of(curve.dashes)));
+            }
+        }
+    }
+}
+
+fn plot<'p>(name: &str, curves: &[Curve]) -> Plot<'p> {
+    let plot = Plot::new(name).allow_scroll(false).set_margin_fraction(egui::vec2(0.0, 0.04));
+    if curves.len() < 2 {
+        return plot;
+    }
+    let legend = Legend::default().position(Corner::RightTop).background_alpha(0.75).follow_insertion_order(true);
+    plot.legend(legend.text_style(egui::TextStyle::Small))
+}
+
+/// Draws curves over two axes. `marks` are numbers of the axis to the right that are marked, each with a name.
+pub(super) fn cartesian_ui(ui: &mut Ui, chart: &CartesianChart, theme: ChartTheme, mark: Option<(f64, &str)>) {
+    let scale = PlotScale::new(&chart.y, &chart.curves);
+    let (x_name, y_name) = (plain(&chart.x.title), plain(&chart.y.title));
+    let mut plot = plot("cartesian", &chart.curves)
+        .x_axis_label(RichText::new(plain(&chart.x.full_title())).small())
+        .y_axis_label(RichText::new(plain(&chart.y.full_title())).small())
+        .x_axis_formatter(|mark: GridMark, _| format!("{}°", mark.value).replace('-', "−"))
+        .y_axis_formatter(move |mark: GridMark, _| match scale.lowest {
+            None => number_text(mark.value).replace('-', "−"),
+            Some(_) if (mark.value - mark.value.round()).abs() < 1e-6 => number_text(scale.number(mark.value)),
+            Some(_) => String::new(),
+        })
+        .label_formatter(move |at: &HoverPosition<'_>| {
+            let (name, position) = match at {
+                HoverPosition::NearDataPoint { plot_name, position, .. } => (format!("{plot_name}\n"), position),
+                HoverPosition::Elsewhere { position } => (String::new(), position),
+            };
+            Some(format!("{name}{x_name} {:.1}°\n{y_name} {}", position.x, number_text(scale.number(position.y))))
+        });
+    if chart.x.is_angle {
+        plot = plot.x_grid_spacer(|input| angle_marks(input.bounds, input.base_step_size));
+    }
+    if let Some([low, high]) = chart.x.range {
+        plot = plot.include_x(low).include_x(high);
+    }
+    plot = plot.include_y(0.0);
+    plot.show(ui, |plot| {
+        for line in &chart.lines {
+            let colour = colour_of(theme.warning());
+            let style = LineStyle::Dashed { length: 7.0 };
+            plot.hline(HLine::new(line.label.clone(), scale.place(line.value)).color(colour).width(1.4).style(style));
+        }
+        if let Some((angle, name)) = mark {
+            plot.vline(
+                VLine::new(name, angle).color(colour_of(theme.muted())).width(1.2).style(LineStyle::Dashed { length: 4.0 }),
+            );
+        }
+        add_curves(plot, &chart.curves, theme, |[x, y]| [x, scale.place(y)]);
+    });
+}
+
+/// Marks of an axis of angles: each 15 degrees, or finer if it is zoomed. `step` is the least distance that is legible.
+fn angle_marks((low, high): (f64, f64), step: f64) -> Vec<GridMark> {
+    const STEPS: [f64; 8] = [0.1, 0.5, 1.0, 5.0, 15.0, 30.0, 90.0, 180.0];
+    let size = STEPS.into_iter().find(|size| *size >= step).unwrap_or(360.0);
+    let (first, last) = ((low / size).floor() as i64, (high / size).ceil() as i64);
+    let count = (last - first).clamp(0, 2000);
+    (first..=first + count).map(|index| GridMark { value: size * index as f64, step_size: size * 4.0 }).collect()
+}
+
+/// Where a point at an angle from upwards, in degrees, and a distance is.
+fn polar_place(angle: f64, distance: f64) -> [f64; 2] {
+    let (sine, cosine) = angle.to_radians().sin_cos();
+    [distance * sine, distance * cosine]
+}
+
+/// Distances at which rings stand: round numbers up to the greatest distance, or decades.
+fn rings(scale: PlotScale, greatest: f64) -> Vec<f64> {
+    let step = if scale.lowest.is_some() {
+        1.0
+    } else {
+        let rough = greatest / 4.0;
+        let power = 10_f64.powf(rough.log10().floor());
+        let steps = [1.0, 2.0, 2.5, 5.0, 10.0];
+        steps.into_iter().map(|step| step * power).find(|step| *step >= rough).unwrap_or(rough)
+    };
+    let count = (greatest / step - 1e-9).ceil().clamp(1.0, 12.0) as u32;
+    (1..=count).map(|index| step * f64::from(index)).collect()
+}
+
+/// Draws curves over an angle. `mark` is an angle that is marked, with a name.
+pub(super) fn polar_ui(ui: &mut Ui, chart: &PolarChart, theme: ChartTheme, mark: Option<(f64, &str)>) {
+    let scale = PlotScale::new(&chart.radius, &chart.curves);
+    let (angle_name, radius_name) = (plain(&chart.angle.title), plain(&chart.radius.title));
+    let places = chart.curves.iter().flat_map(|curve| curve.points.iter().map(|point| scale.place(point[1])));
+    let greatest = places.filter(|place| place.is_finite()).fold(0.0, f64::max);
+    let rings = rings(scale, if greatest > 0.0 { greatest } else { 1.0 });
+    let rim = rings.last().copied().unwrap_or(1.0);
+    let plot = plot("polar", &chart.curves)
+        .data_aspect(1.0)
+        .show_axes(false)
+        .show_grid(false)
+        .include_x(-1.12 * rim)
+        .include_x(1.12 * rim)
+        .include_y(-0.1 * rim)
+        .include_y(1.1 * rim)
+        .label_formatter(move |at: &HoverPosition<'_>| {
+            let (name, PlotPoint { x, y }) = match at {
+                HoverPosition::NearDataPoint { plot_name, position, .. } => (format!("{plot_name}\n"), *position),
+                HoverPosition::Elsewhere { position } => (String::new(), *position),
+            };
+            let angle = x.atan2(y).to_degrees();
+            Some(format!("{name}{angle_name} {angle:.1}°\n{radius_name} {}", number_text(scale.number(x.hypot(y)))))
+        });
+    plot.show(ui, |plot| {
+        draw_disc(plot, (&rings, rim), scale, theme);
+        for (angle, colour) in &chart.arrows {
+            draw_arrow(plot, *angle, rim, colour_of(theme.curve(*colour)));
+        }
+        if let Some((angle, name)) = mark {
+            let points = vec![[0.0, 0.0], polar_place(angle, rim)];
+            let line = Line::new(name, points).color(colour_of(theme.muted())).width(1.2);
+            plot.line(line.style(LineStyle::Dashed { length: 4.0 }).allow_hover(false));
+        }
+        add_curves(plot, &chart.curves, theme, |[angle, number]| polar_place(angle, scale.place(number)));
+    });
+}
+
+/// The rings, the spokes and their labels.
+fn draw_disc(plot: &mut PlotUi<'_>, (rings, rim): (&[f64], f64), scale: PlotScale, theme: ChartTheme) {
+    let [grid, frame, muted] = [theme.grid(), theme.frame(), theme.muted()].map(colour_of);
+    let line = |points: Vec<[f64; 2]>, colour: Color32| Line::new("", points).color(colour).width(1.0).allow_hover(false);
+    let label = |text: String, at: [f64; 2], anchor: Align2| {
+        let text = RichText::new(text).small();
+        Text::new("", PlotPoint::new(at[0], at[1]), text).color(muted).anchor(anchor).allow_hover(false)
+    };
+    for degrees in (-75..=75).step_by(15) {
+        plot.line(line(vec![[0.0, 0.0], polar_place(f64::from(degrees), rim)], grid));
+    }
+    for ring in rings {
+        let arc = (-90..=90).step_by(2).map(|degrees| polar_place(f64::from(degrees), *ring)).collect();
+        plot.line(line(arc, if *ring == rim { frame } else { grid }));
+        plot.text(label(number_text(scale.number(*ring)), [*ring, -0.015 * rim], Align2::CENTER_TOP));
+    }
+    if scale.lowest.is_some() {
+        plot.text(label(number_text(scale.number(0.0)), [0.0, -0.015 * rim], Align2::CENTER_TOP));
+    }
+    plot.line(line(vec![[-rim, 0.0], [rim, 0.0]], frame));
+    for degrees in (-90..=90).step_by(30) {
+        let anchor = match degrees {
+            0 => Align2::CENTER_BOTTOM,
+            -90..0 => Align2::RIGHT_CENTER,
+            _ => Align2::LEFT_CENTER,
+        };
+        plot.text(label(format!("{degrees}°").replace('-', "−"), polar_place(f64::from(degrees), 1.03 * rim), anchor));
+    }
+}
+
+/// The direction from which light comes: an arrow at the rim that points to the middle.
+fn draw_arrow(plot: &mut PlotUi<'_>, angle: f64, rim: f64, colour: Color32) {
+    let tip = polar_place(angle, 0.84 * rim);
+    let line = |points: Vec<[f64; 2]>| Line::new("", points).color(colour).width(1.6).allow_hover(false);
+    plot.line(line(vec![polar_place(angle, rim), tip]));
+    let barbs = [-2.2, 2.2].map(|aside| polar_place(angle + aside, 0.9 * rim));
+    plot.line(line(vec![barbs[0], tip, barbs[1]]));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scales_put_numbers_and_read_them_back() {
+        let curve = |numbers: &[f64]| Curve {
+            name: String::new(),
+            points: numbers.iter().map(|number| [0.0, *number]).collect(),
+            colour: 0,
+            dashes: Dashes::Solid,
+        };
+        let curves = [curve(&[0.02, 30.0, 0.0, f64::NAN])];
+        let log = PlotScale::new(&ChartAxis::numbers("f", "", true), &curves);
+        assert_eq!(log.lowest, Some(-2.0));
+        assert!((log.place(1.0) - 2.0).abs() < 1e-12 && log.place(-1.0) == 0.0 && (log.number(3.0) - 10.0).abs() < 1e-9);
+        let linear = PlotScale::new(&ChartAxis::numbers("f", "", false), &curves);
+        assert_eq!((linear.place(0.25), linear.number(0.25)), (0.25, 0.25));
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        let texts = [0.0, 1.0, 0.318_31, 12.5, 1234.56, 1e-7, 2e9].map(number_text);
+        assert_eq!(texts, ["0", "1", "0.3183", "12.5", "1235", "1.00e-7", "2.00e9"]);
+    }
+
+    #[test]
+    fn rings_are_round_and_reach_the_greatest_number() {
+        let linear = PlotScale { lowest: None };
+        assert_eq!(rings(linear, 0.93), [0.25, 0.5, 0.75, 1.0]);
+        assert_eq!(rings(linear, 20.0), [5.0, 10.0, 15.0, 20.0]);
+        assert_eq!(rings(PlotScale { lowest: Some(-3.0) }, 2.4), [1.0, 2.0, 3.0]);
+    }
+}

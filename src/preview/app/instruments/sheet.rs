@@ -1,0 +1,84 @@
+//! Charts made on another thread: the numbers, and the drawing where egui draws none itself. And charts as files.
+
+use crate::files::{reason, replace_file};
+use crate::instrument::view::{InstrumentView, NamedModel, ViewSettings};
+use crate::picture::{Bitmap, Format, bitmap_file_bytes};
+use crate::plot::{Chart, ChartTheme, Heading, painted, svg};
+use crate::preview::app::chart_format::ChartFormat;
+use egui::ColorImage;
+use std::io::Write;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// What a chart is wanted of.
+pub(super) struct SheetRequest {
+    /// Grows from request to request.
+    pub(super) number: u64,
+    pub(super) view: &'static InstrumentView,
+    pub(super) models: Vec<NamedModel>,
+    pub(super) settings: ViewSettings,
+    /// Width and height in points.
+    pub(super) size: [u32; 2],
+    /// Pixels per point.
+    pub(super) scale: f64,
+    pub(super) theme: ChartTheme,
+}
+
+/// A chart, ready to be shown.
+pub(super) struct Sheet {
+    pub(super) number: u64,
+    /// Its heading is taken out.
+    pub(super) chart: Chart,
+    pub(super) heading: Heading,
+    /// The drawing, of charts that egui does not draw itself.
+    pub(super) image: Option<ColorImage>,
+    pub(super) time: Duration,
+}
+
+impl Sheet {
+    /// Makes a chart.
+    pub(super) fn new(request: &SheetRequest) -> Self {
+        let start = Instant::now();
+        let mut chart = request.view.chart(&request.models, &request.settings);
+        let heading = std::mem::take(chart.heading_mut());
+        let image = match &chart {
+            Chart::Cartesian(_) | Chart::Polar(_) => None,
+            Chart::Map(_) | Chart::Lobe(_) => {
+                let figure = chart.figure(request.size, request.theme).scaled(request.scale);
+                painted(&figure).ok().map(|bitmap| image_of(&bitmap))
+            }
+        };
+        Self { number: request.number, chart, heading, image, time: start.elapsed() }
+    }
+}
+
+fn image_of(bitmap: &Bitmap) -> ColorImage {
+    ColorImage::from_rgb(bitmap.size().map(|side| side as usize), bitmap.bytes())
+}
+
+/// The size of saved drawings, in units of the drawing.
+const SAVED_SIZE: [u32; 2] = [800, 600];
+/// Pixels of a saved picture for each unit.
+const SAVED_SCALE: u32 = 2;
+
+/// Saves the chart of a request, on white paper, in the format of the suffix.
+///
+/// # Errors
+/// The suffix names no format, or the file cannot be written. The error is for the user. An existing file is then
+/// unchanged.
+pub(super) fn save(request: &SheetRequest, path: &Path) -> Result<(), String> {
+    let name = path.display();
+    let format = ChartFormat::of(path).ok_or_else(|| {
+        let suffixes: Vec<String> = ChartFormat::ALL.iter().map(|format| format!(".{}", format.suffix())).collect();
+        format!("`{name}` names no format of charts; their suffixes are {}", suffixes.join(", "))
+    })?;
+    let unwritten = |error: std::io::Error| format!("cannot write the chart `{name}`: {}", reason(&error));
+    let chart = request.view.chart(&request.models, &request.settings);
+    let figure = |scale: u32| chart.figure(SAVED_SIZE.map(|side| scale * side), ChartTheme::Light);
+    let bytes = match format {
+        ChartFormat::Csv => chart.table().csv().into_bytes(),
+        ChartFormat::Svg => svg(&figure(1)).into_bytes(),
+        ChartFormat::Png => bitmap_file_bytes(&painted(&figure(SAVED_SCALE))?, Format::Png).map_err(unwritten)?,
+    };
+    replace_file(path, |file| file.write_all(&bytes)).map_err(unwritten)
+}

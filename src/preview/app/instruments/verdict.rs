@@ -1,0 +1,111 @@
+//! The verdict on energy: whether a model reflects more light than it gets, in words.
+
+use crate::instrument::measurement::{EnergyVerdict, Measurement};
+
+/// What is said of a model.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct VerdictWords {
+    /// One line.
+    pub(super) text: String,
+    /// Whether something is wrong.
+    pub(super) is_warning: bool,
+    /// Further lines: what else was measured.
+    pub(super) details: String,
+}
+
+/// A share as a percentage. Near the whole, tenths matter.
+fn percent(share: f64) -> String {
+    let decimals = usize::from((share - 1.0).abs() < 0.01);
+    format!("{:.decimals$} %", 100.0 * share)
+}
+
+/// Rounding makes numbers this small of either sign.
+const ROUNDING: f64 = -1e-6;
+
+impl VerdictWords {
+    /// The words for a measurement.
+    pub(super) fn new(measured: &Measurement) -> Self {
+        let best = measured.beam;
+        let has_colour = measured.rows.iter().any(|row| row.beam.iter().any(|share| (share - row.beam[0]).abs() > 1e-3));
+        let light = if has_colour { [" red", " green", " blue"][best.component.min(2)] } else { "" };
+        let [polar, azimuth] = best.angles;
+        let around = if measured.depends_on_azimuth { format!(", azimuth {azimuth:.0}°") } else { String::new() };
+        let verdict = measured.verdict();
+        let mut text = match verdict {
+            EnergyVerdict::Conserves if best.share <= 0.0 => "Reflects no light".to_owned(),
+            EnergyVerdict::Conserves => {
+                format!(
+                    "Conserves energy: at most {} of the{light} light is reflected (at {polar:.0}°{around})",
+                    percent(best.share)
+                )
+            }
+            EnergyVerdict::DoesNot(_) => {
+                let from = match best.above_one_from {
+                    Some(from) if from >= 0.5 => format!("; above 100 % from {from:.0}°"),
+                    Some(_) => "; above 100 % from 0°".to_owned(),
+                    None => String::new(),
+                };
+                format!("Gives out more{light} light than it gets: {} at {polar:.0}°{around}{from}", percent(best.share))
+            }
+        };
+        let is_negative = measured.least.is_some_and(|(least, _)| least < ROUNDING);
+        for (is_so, words) in [(is_negative, "; negative somewhere"), (measured.not_finite.is_some(), "; no number somewhere")] {
+            if is_so {
+                text.push_str(words);
+            }
+        }
+        let is_warning = verdict != EnergyVerdict::Conserves || is_negative || measured.not_finite.is_some();
+        Self { text, is_warning, details: details(measured) }
+    }
+}
+
+fn details(measured: &Measurement) -> String {
+    let mut lines = Vec::new();
+    let furnace = measured.furnace;
+    lines.push(format!(
+        "In a white furnace it shows at most {} of the light, at {:.0}°.",
+        percent(furnace.share),
+        furnace.angles[0]
+    ));
+    lines.push(match measured.reciprocity {
+        _ if measured.is_reciprocal() => "It is reciprocal: light and viewer may change places.".to_owned(),
+        Some(worst) => format!("It is not reciprocal: values differ by up to {:.0} %.", 100.0 * worst.error),
+        None => "It has no finite values.".to_owned(),
+    });
+    if measured.depends_on_azimuth {
+        lines.push("It is anisotropic.".to_owned());
+    }
+    if let Some((least, _)) = measured.least.filter(|(least, _)| *least < ROUNDING) {
+        lines.push(format!("Its least value is {least:.4}."));
+    }
+    lines.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::instrument::{DirectionPair, Reflectance};
+
+    /// A matte surface of this albedo.
+    struct Matte([f32; 3]);
+
+    impl Reflectance for Matte {
+        fn values(&self, pairs: &[DirectionPair]) -> Vec<[f32; 3]> {
+            pairs.iter().map(|pair| self.0.map(|albedo| albedo * pair.light[2])).collect()
+        }
+    }
+
+    #[test]
+    fn the_verdict_has_the_albedo_of_matte_surfaces() {
+        let of = |albedo: [f32; 3]| VerdictWords::new(&Measurement::of(&Matte(albedo)));
+        let half = of([0.5; 3]);
+        assert!(half.text.starts_with("Conserves energy: at most 50 % of the light is reflected"), "{}", half.text);
+        assert!(!half.is_warning && half.details.contains("It is reciprocal"));
+        let more = of([0.2, 1.5, 0.3]);
+        assert!(more.text.starts_with("Gives out more green light than it gets: 150 % at "), "{}", more.text);
+        assert!(more.is_warning && more.text.ends_with("above 100 % from 0°"), "{}", more.text);
+        assert_eq!(of([0.0; 3]).text, "Reflects no light");
+        let odd = of([f32::NAN; 3]);
+        assert!(odd.is_warning && odd.text.ends_with("no number somewhere"), "{}", odd.text);
+    }
+}

@@ -1,0 +1,150 @@
+//! The instruments in the window.
+
+use super::*;
+use crate::instrument::view::VIEWS;
+use crate::preview::app::action::PanelId;
+use crate::preview::app::instruments::InstrumentPlace;
+
+/// A window that shows a formula in the instruments.
+fn instruments(text: &str) -> Harness<'static, App> {
+    let mut harness = harness();
+    harness.state_mut().perform(Action::TogglePanel(PanelId::Instruments));
+    apply(&mut harness, text);
+    settle_instruments(&mut harness);
+    harness
+}
+
+fn apply(harness: &mut Harness<'_, App>, text: &str) {
+    harness.state_mut().documents.formula.replace_text(text);
+    harness.state_mut().perform(Action::Apply);
+    settle(harness);
+}
+
+/// Waits until chart and verdict are those of the values.
+fn settle_instruments(harness: &mut Harness<'_, App>) {
+    for _ in 0..30_000 {
+        harness.step();
+        if harness.state().instruments.is_settled() {
+            harness.run_steps(2);
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    panic!("no chart came");
+}
+
+const LAMBERT: &str = "body_specific; part: scalar, constraint 0..4, default 0.5, slider; formula; = part*IL*max(0, N.L);";
+
+/// Sets a value of all bodies.
+fn set_all(harness: &mut Harness<'_, App>, name: &str, value: f32) {
+    let workshop = &mut harness.state_mut().workshop;
+    let id = workshop.formula().parameter_named(name).expect("a parameter");
+    let bodies: Vec<OwnerId> = workshop.scene().body_ids().map(OwnerId::Body).collect();
+    bodies.into_iter().for_each(|body| workshop.set(body, id, [value; 3]));
+}
+
+#[test]
+fn the_verdict_follows_a_value_and_leads_to_the_albedo() {
+    let mut harness = instruments(LAMBERT);
+    assert!(harness.query_by_label_contains("Conserves energy: at most 50 % of the light").is_some());
+    set_all(&mut harness, "part", 1.2);
+    settle_instruments(&mut harness);
+    let verdict = harness.get_by_label_contains("Gives out more light than it gets: 120 % at");
+    verdict.click();
+    settle_instruments(&mut harness);
+    assert_eq!(harness.state().instruments.controls_view(), "albedo");
+}
+
+#[test]
+fn every_view_is_chosen_by_its_name_and_drawn() {
+    let mut harness = instruments(LAMBERT);
+    for view in &VIEWS {
+        let mut title = view.name.to_owned();
+        title[..1].make_ascii_uppercase();
+        harness.get_by_label(&title).click();
+        harness.step();
+        settle_instruments(&mut harness);
+        assert_eq!(harness.state().instruments.controls_view(), view.name);
+        assert!(harness.query_by_label_contains("Drawing…").is_none(), "{}", view.name);
+    }
+}
+
+#[test]
+fn saved_numbers_are_those_of_the_closed_form() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = instruments(LAMBERT);
+    for name in ["chart.csv", "chart.svg", "chart.png", "chart.gif"] {
+        harness.state_mut().perform(Action::SaveChart(folder.path().join(name)));
+        harness.state_mut().jobs.wait();
+        harness.step();
+    }
+    let message = harness.state().dialogs.message().unwrap_or_default().to_owned();
+    assert!(message.contains("chart.gif` names no format of charts; their suffixes are .png, .svg, .csv"), "{message}");
+    let text = std::fs::read_to_string(folder.path().join("chart.csv")).unwrap();
+    let mut rows = text.lines();
+    assert!(rows.next().unwrap().starts_with("outgoing angle (°),"), "{text}");
+    let mut count = 0;
+    // A matte BRDF is its albedo over π, in every direction.
+    for row in rows {
+        let numbers = row.split(',').skip(1).map(|number| number.parse::<f64>().unwrap()).filter(|number| number.is_finite());
+        for number in numbers {
+            assert!((number - 0.5 / std::f64::consts::PI).abs() < 1e-5, "{row}");
+            count += 1;
+        }
+    }
+    assert!(count > 900, "{count}");
+    let svg = std::fs::read_to_string(folder.path().join("chart.svg")).unwrap();
+    assert!(svg.starts_with("<svg") && svg.contains("Reflection in the plane of incidence"));
+    let png = std::fs::read(folder.path().join("chart.png")).unwrap();
+    assert!(png.starts_with(b"\x89PNG") && !folder.path().join("chart.gif").exists());
+}
+
+#[test]
+fn kept_models_stay_as_they_were() {
+    let mut harness = instruments(LAMBERT);
+    harness.get_by_label("Keep").click();
+    harness.step();
+    set_all(&mut harness, "part", 0.25);
+    harness.get_by_label("Albedo").click();
+    settle_instruments(&mut harness);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("albedo.csv");
+    harness.state_mut().perform(Action::SaveChart(path.clone()));
+    harness.state_mut().jobs.wait();
+    let text = std::fs::read_to_string(path).unwrap();
+    for row in text.lines().skip(1) {
+        let shares: Vec<f64> = row.split(',').skip(1).map(|number| number.parse().unwrap()).collect();
+        assert!(shares.len() == 2 && (shares[0] - 0.25).abs() < 1e-3 && (shares[1] - 0.5).abs() < 1e-3, "{row}");
+    }
+    for _ in 0..7 {
+        harness.get_by_label("Keep").click();
+        harness.step();
+    }
+    assert_eq!(harness.state().instruments.overlay_count(), 6);
+}
+
+#[test]
+fn a_hit_gives_the_directions_and_the_place() {
+    let mut harness = instruments("body_specific; p: scalar, default 1, slider; formula; = p*IL*<u, 0.5*v, 0.25>*max(0, N.L);");
+    let pixel = [32, 24];
+    let app = harness.state_mut();
+    let view = app.workshop.view().unwrap();
+    let world = std::sync::Arc::clone(app.workshop.world());
+    let formula = std::sync::Arc::clone(app.workshop.formula());
+    let numbers = app.workshop.values().numbers().to_vec();
+    let inspection = crate::evaluate::inspect::Inspector::new(&formula, &world, &numbers).inspect(&view, pixel).unwrap();
+    let hit = inspection.hit(0).expect("a body in the middle");
+    let light = hit.lights.iter().find(|light| light.evaluated && light.variables.alpha < 1.5).expect("a light that reaches it");
+    let place = InstrumentPlace::new(pixel, hit, light);
+    app.parameters.select(OwnerId::Body(place.body));
+    app.instruments.look_at(place);
+    settle_instruments(&mut harness);
+    let app = harness.state();
+    let (value, angle) = app.instruments.value_at_place().expect("a value");
+    // The instruments have white light, so this is the formula itself, for the angle of that light.
+    let cosine = light.variables.alpha.cos();
+    let [u, v] = hit.variables.coordinates.to_array();
+    let wanted = [u * cosine, 0.5 * v * cosine, 0.25 * cosine];
+    assert!(value.iter().zip(wanted).all(|(one, other)| (one - other).abs() < 1e-4), "{value:?} {wanted:?}");
+    assert!((angle - f64::from(light.variables.alpha.to_degrees())).abs() < 1e-2);
+}
