@@ -37,11 +37,13 @@ mod number_field;
 mod pane;
 mod panel_sizes;
 mod parameters;
+mod pixel_dependence;
 mod question;
 mod saving;
 mod scene_actions;
 mod scene_menu;
 mod scene_text;
+mod sensitivity_view;
 mod session_mistakes;
 mod settings_dialog;
 mod status;
@@ -94,6 +96,7 @@ use pane::PicturePane;
 use panel_sizes::remember;
 use parameters::ParameterPanel;
 use saving::PendingSave;
+use sensitivity_view::SensitivityView;
 use settings_dialog::SettingsDialog;
 use std::io;
 use std::sync::{Arc, OnceLock};
@@ -145,6 +148,7 @@ pub struct App {
     settings_dialog: SettingsDialog,
     inspector: InspectorPanel,
     instruments: InstrumentPanel,
+    sensitivity: SensitivityView,
     materials: MaterialRow,
     user_state: UserState,
     /// When drafts were written last, in seconds of egui's clock.
@@ -230,6 +234,7 @@ impl App {
             settings_dialog: SettingsDialog::default(),
             inspector: InspectorPanel::default(),
             instruments: InstrumentPanel::new(user_state.settings.window.instruments, waker(&context)),
+            sensitivity: SensitivityView::new(waker(&context)),
             materials: MaterialRow::default(),
             drafts_written_at: 0.0,
             theme: Theme::Dark,
@@ -315,7 +320,9 @@ impl App {
             remember(ui.ctx(), named("parameters"), PanelSide::Parameters, &mut sizes);
         }
         self.inspector.set_passes(self.workshop.renderer().passes());
-        self.inspector.ui(ui, &self.workshop, &mut sizes);
+        self.follow_sensitivity(ui, waits || typing);
+        let of = self.parameter_of_interest();
+        self.inspector.ui(ui, &self.workshop, of, &mut sizes);
         if let Some(place) = self.inspector.take_place() {
             self.parameters.select(OwnerId::Body(place.body));
             self.instruments.look_at(place);
@@ -337,6 +344,7 @@ impl App {
                 // Its panel has been drawn already.
                 ui.ctx().request_repaint();
             }
+            self.sensitivity.legend_ui(ui, &self.pane);
             self.inspector.mark(ui, &self.pane.placement(&self.workshop), self.pane.area());
         });
         self.confirmation.ui(ui.ctx(), &mut actions);

@@ -47,7 +47,7 @@ impl<Q, A> Desk<Q, A> {
 
 impl<Q: Send + 'static, A: Send + 'static> LatestWorker<Q, A> {
     /// A worker that answers with `reply`. `wake` is called, on the thread, when there is an answer.
-    pub(super) fn new(reply: impl Fn(Q) -> A + Send + 'static, wake: impl Fn() + Send + 'static) -> Self {
+    pub(super) fn new(mut reply: impl FnMut(Q) -> A + Send + 'static, wake: impl Fn() + Send + 'static) -> Self {
         let papers = Papers { question: None, answer: None, is_busy: false, ends: false };
         let desk = Arc::new(Desk { papers: Mutex::new(papers), changed: Condvar::new() });
         let own = Arc::clone(&desk);
@@ -107,7 +107,9 @@ mod tests {
             let _ = may_go.recv();
             10 * number
         };
-        let mut worker = LatestWorker::new(reply, move || drop(woken.send(())));
+        let mut worker = LatestWorker::new(reply, move || {
+            let _ = woken.send(());
+        });
         worker.ask(1);
         assert_eq!(has_begun.recv(), Ok(1));
         (2..=4).for_each(|number| worker.ask(number));

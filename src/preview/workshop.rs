@@ -4,6 +4,7 @@
 //! unchanged.
 
 mod departed;
+mod dependence;
 mod export;
 mod first_look;
 mod history;
@@ -31,6 +32,7 @@ use crate::workspace::textures::parse_formula;
 use crate::workspace::{Assignment, OwnerId, ParameterTable, Session, Values};
 use crate::world::World;
 use departed::DepartedValues;
+pub use dependence::Dependence;
 use export::ExportContent;
 pub use export::PictureExport;
 use history::{CurrentState, HistoryEntry, PastValues, ValueHistory, changed, changed_in_view};
@@ -222,7 +224,7 @@ impl Workshop {
     }
 
     /// The engine of the chosen backend.
-    fn engine(&mut self) -> Engine {
+    pub fn engine(&mut self) -> Engine {
         let name = self.backend.name;
         if let Some(engine) = self.engines.iter().find(|engine| engine.backend().name() == name) {
             return engine.clone();

@@ -7,6 +7,7 @@
 
 use crate::engine::{Engine, EngineError, Subject};
 use crate::evaluate::Evaluator;
+use crate::evaluate::inspect::Inspector;
 use crate::formula::layout::Layout;
 use crate::formula::tangent::Tangent;
 use crate::formula::{Formula, ParameterId, Term};
@@ -21,14 +22,17 @@ use std::sync::Arc;
 /// A number of the [`Layout`] that moves, by its index, and how fast.
 pub type Speed = (usize, f32);
 
+/// The picture of parameter numbers.
+type PictureOfNumbers = Box<dyn Fn(&[f32]) -> Frame + Send + Sync>;
+
 /// A picture with its derivative by some parameters.
 pub struct Sensitivity {
     formula: Arc<Formula>,
     layout: Layout,
-    picture: Arc<dyn Evaluator>,
+    picture: PictureOfNumbers,
     tangent: Tangent,
     tangent_layout: Layout,
-    tangent_picture: Arc<dyn Evaluator>,
+    tangent_picture: PictureOfNumbers,
     /// The parameters that change how rays are weighted.
     weights: BTreeSet<ParameterId>,
     /// The index of the light that is an environment.
@@ -47,6 +51,36 @@ impl Sensitivity {
         moving: &[ParameterId],
         numbers: &[f32],
     ) -> Result<Self, EngineError> {
+        Self::with(subject, moving, |subject, tangent| {
+            let numbers = tangent.map_or_else(|| numbers.to_vec(), |tangent| tangent(numbers));
+            let picture = prepared(engine, subject, hits, &numbers)?;
+            Ok(Box::new(move |numbers: &[f32]| picture.frame(numbers)) as PictureOfNumbers)
+        })
+    }
+
+    /// The same for one pixel of the view alone, which is traced for each picture. Pictures have one pixel. Outside of
+    /// the view they are black.
+    pub fn of_pixel(subject: &Subject, pixel: [u32; 2], moving: &[ParameterId]) -> Self {
+        let made = Self::with(subject, moving, |subject, _| {
+            let Subject { formula, world, view } = subject.clone();
+            Ok::<_, std::convert::Infallible>(Box::new(move |numbers: &[f32]| {
+                let inspection = Inspector::new(&formula, &world, numbers).inspect(&view, pixel);
+                Frame { width: 1, height: 1, linear: vec![inspection.map_or([0.0; 3], |found| found.total)] }
+            }) as PictureOfNumbers)
+        });
+        match made {
+            Ok(made) => made,
+            Err(never) => match never {},
+        }
+    }
+
+    /// Makes the pictures of the formula and of its tangent by `picture`, which is given what makes numbers of the
+    /// tangent from those of the formula.
+    fn with<E>(
+        subject: &Subject,
+        moving: &[ParameterId],
+        picture: impl Fn(&Subject, Option<&dyn Fn(&[f32]) -> Vec<f32>>) -> Result<PictureOfNumbers, E>,
+    ) -> Result<Self, E> {
         let formula = Arc::clone(&subject.formula);
         let weights = weight_parameters(&formula);
         let inner: Vec<ParameterId> = moving.iter().copied().filter(|id| !weights.contains(id)).collect();
@@ -54,16 +88,16 @@ impl Sensitivity {
         let tangent_subject = Subject { formula: Arc::new(tangent.formula.clone()), ..subject.clone() };
         let layout = layout_of(&formula, &subject.world);
         let tangent_layout = layout_of(&tangent.formula, &subject.world);
-        let picture = prepared(engine, subject, hits, numbers)?;
-        let plain = tangent.numbers([&layout, &tangent_layout], numbers, &[]);
-        let tangent_picture = prepared(engine, &tangent_subject, hits, &plain)?;
+        let plain = |numbers: &[f32]| tangent.numbers([&layout, &tangent_layout], numbers, &[]);
+        let tangent_picture = picture(&tangent_subject, Some(&plain))?;
+        let picture = picture(subject, None)?;
         let environment = subject.world.environment().map(|environment| environment.light().index());
         Ok(Self { formula, layout, picture, tangent, tangent_layout, tangent_picture, weights, environment })
     }
 
     /// The picture of these parameter numbers: linear RGB, not clamped.
     pub fn picture(&self, numbers: &[f32]) -> Frame {
-        self.picture.frame(numbers)
+        (self.picture)(numbers)
     }
 
     /// How fast the picture changes at these numbers while some of them move: Σ speed · ∂picture/∂number.
@@ -116,7 +150,7 @@ impl Sensitivity {
                 let speed = speeds.iter().find(|(index, _)| *index == from + component);
                 all[to + component] = speed.map_or(0.0, |(_, speed)| *speed);
             }
-            self.tangent_picture.frame(&all)
+            (self.tangent_picture)(&all)
         };
         let mut change = of(speeds);
         if self.environment.is_some() {
@@ -155,7 +189,7 @@ impl Sensitivity {
                 let [low, high] = range_of(*index);
                 moved[*index] = (moved[*index] + by * speed).clamp(low, high);
             }
-            self.picture.frame(&moved)
+            (self.picture)(&moved)
         };
         let (mut high, low) = (at(right), at(-left));
         let width = right + left;

@@ -1,6 +1,7 @@
 //! The actions of the user interface, which menus, keys, buttons and dialogs cause.
 
 use crate::backends::BackendChoice;
+use crate::formula::ParameterId;
 use crate::preview::app::key_groups::{KeyGroup, Shortcut};
 use crate::preview::app::pane::Zoom;
 use crate::preview::app::scene_actions::{MeshSpot, SceneAction, scene_shortcuts};
@@ -79,6 +80,8 @@ pub enum Action {
     ShowMeasuredDialog,
     /// Show the measured material in a file beside the formula in the instruments.
     AddMeasured(PathBuf),
+    /// Show how much each pixel depends on a parameter of an owner; none to go back to the picture.
+    ShowSensitivity(Option<(OwnerId, ParameterId)>),
     /// Copy the picture in view to the clipboard.
     CopyPicture,
     /// Save the session to its file.

@@ -54,6 +54,8 @@ pub(super) enum PaneMode {
     Current,
     /// A snapshot.
     Snapshot(usize),
+    /// How much each pixel depends on a parameter.
+    Sensitivity,
     /// One picture on the left, the other on the right.
     Split(Pair),
     /// The difference of two pictures, amplified by a factor.
@@ -64,7 +66,7 @@ impl PaneMode {
     /// The pictures that are compared, if any are.
     pub(super) fn pair(self) -> Option<Pair> {
         match self {
-            PaneMode::Current | PaneMode::Snapshot(_) => None,
+            PaneMode::Current | PaneMode::Snapshot(_) | PaneMode::Sensitivity => None,
             PaneMode::Split(pair) | PaneMode::Difference(pair, _) => Some(pair),
         }
     }
@@ -123,7 +125,7 @@ impl Comparison {
         };
         let columns = match mode {
             PaneMode::Split(_) => (line * other.width as f32).round() as usize,
-            PaneMode::Current | PaneMode::Snapshot(_) | PaneMode::Difference(..) => 0,
+            PaneMode::Current | PaneMode::Snapshot(_) | PaneMode::Sensitivity | PaneMode::Difference(..) => 0,
         };
         let key = ComparisonKey { mode, versions: [one.version, other.version], columns };
         if self.made_of == Some(key) {
@@ -137,7 +139,7 @@ impl Comparison {
                 self.largest = largest;
                 picture
             }
-            PaneMode::Current | PaneMode::Snapshot(_) | PaneMode::Split(_) => join(one, other, columns),
+            PaneMode::Current | PaneMode::Snapshot(_) | PaneMode::Sensitivity | PaneMode::Split(_) => join(one, other, columns),
         };
         self.picture = Picture { version, ..made };
         self.made_of = Some(key);

@@ -10,6 +10,7 @@ use crate::preview::app::colours::{paint_swatch, shown_colour};
 use crate::preview::app::instruments::InstrumentPlace;
 use crate::preview::app::pane::Placement;
 use crate::preview::app::panel_sizes::remember;
+use crate::preview::app::pixel_dependence::{OwnedParameter, PixelDependence};
 use crate::preview::workshop::Workshop;
 use crate::scene::BodyId;
 use crate::trace::Edge;
@@ -32,6 +33,7 @@ pub(super) struct InspectorPanel {
     inspected: Option<InspectedPixel>,
     /// A hit and a light that the instruments shall show.
     place: Option<InstrumentPlace>,
+    dependence: PixelDependence,
 }
 
 /// The inspected pixel.
@@ -122,8 +124,8 @@ impl InspectorPanel {
         }
     }
 
-    /// Draws the inspector below the picture, with the current values.
-    pub(super) fn ui(&mut self, ui: &mut Ui, workshop: &Workshop, sizes: &mut PanelSizes) {
+    /// Draws the inspector below the picture, with the current values. `of` is a parameter that the user is interested in.
+    pub(super) fn ui(&mut self, ui: &mut Ui, workshop: &Workshop, of: Option<OwnedParameter>, sizes: &mut PanelSizes) {
         if !self.open {
             return;
         }
@@ -145,6 +147,7 @@ impl InspectorPanel {
             ui.separator();
             match &self.inspected {
                 Some(InspectedPixel { inspection, colours, .. }) => {
+                    self.dependence.ui(ui, workshop, inspection, of);
                     let chosen = if self.shows_mean() { passes_ui(ui, workshop, colours) } else { None };
                     tree_ui(ui, workshop, inspection, &mut self.place);
                     self.shown_pass = chosen.or(self.shown_pass);

@@ -344,7 +344,8 @@ impl InstrumentPanel {
         self.ask_sheet(ui, size);
         let theme = theme_of(ui);
         let mark = self.place.as_ref().map(|place| (place.view_angles[0], "viewer"));
-        let Some(sheet) = &self.sheet else {
+        // A chart of another view would be taken for this one.
+        let Some(sheet) = self.sheet.as_ref().filter(|sheet| sheet.view == self.controls.view().name) else {
             ui.centered_and_justified(|ui| ui.weak("Drawing…"));
             return;
         };

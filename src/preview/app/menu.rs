@@ -225,7 +225,7 @@ fn compare(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     ui.weak("Difference");
     let gain = match app.pane.mode {
         PaneMode::Difference(_, gain) => gain,
-        PaneMode::Current | PaneMode::Snapshot(_) | PaneMode::Split(_) => GAINS[0],
+        PaneMode::Current | PaneMode::Snapshot(_) | PaneMode::Sensitivity | PaneMode::Split(_) => GAINS[0],
     };
     for pair in PAIRS {
         chosen |= compare_entry(ui, app, pair, PaneMode::Difference(pair, gain), "−");
@@ -256,6 +256,15 @@ fn compare_entry(ui: &mut Ui, app: &mut App, pair: Pair, mode: PaneMode, between
     response.clicked()
 }
 
+/// The entry that shows which pixels depend on the parameter that was moved last.
+fn sensitivity_entry(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
+    let is_seen = app.pane.mode == PaneMode::Sensitivity;
+    let Some(of) = app.parameter_of_interest() else { return };
+    let (owner, id) = if is_seen { app.sensitivity.shown().unwrap_or(of) } else { of };
+    let name = format!("Sensitivity to {}", one_line(&app.workshop.values().table().label(owner, id)));
+    check_entry(ui, is_seen, &name, Action::ShowSensitivity((!is_seen).then_some((owner, id))), actions);
+}
+
 fn view(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     let panels = app.panels;
     for (panel, name, seen) in [
@@ -275,6 +284,7 @@ fn view(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     ] {
         check_entry(ui, seen, name, Action::ToggleOverlay(overlay), actions);
     }
+    sensitivity_entry(ui, app, actions);
     check_entry(ui, app.hand.markers, "Markers in the picture", Action::Scene(SceneAction::ToggleMarkers), actions);
     ui.separator();
     zoom_entries(ui, app, actions);

@@ -49,6 +49,8 @@ pub(super) struct PicturePane {
     response: Option<Response>,
     /// What is said over the picture.
     pub(super) note: Option<PaneNote>,
+    /// How much each pixel depends on a parameter, if that was asked for.
+    pub(super) sensitivity: Option<Picture>,
     /// The picture with marks of clipped pixels, and the version of the picture without them.
     marked: (Picture, u64),
     bars: Histogram,
@@ -95,6 +97,7 @@ impl Default for PicturePane {
             line: DividingLine::default(),
             response: None,
             note: None,
+            sensitivity: None,
             marked: (Picture::default(), 0),
             bars: Histogram::default(),
         }
@@ -239,7 +242,8 @@ impl PicturePane {
                 say(egui::pos2(line + 8.0, corner.y), left, pair[1].name());
             }
             PaneMode::Difference(..) if let Some(words) = self.words_of_difference() => say(corner, left, &words),
-            PaneMode::Current | PaneMode::Snapshot(_) | PaneMode::Split(_) | PaneMode::Difference(..) => {}
+            PaneMode::Current | PaneMode::Snapshot(_) | PaneMode::Sensitivity | PaneMode::Split(_) | PaneMode::Difference(..) => {
+            }
         }
         match &self.note {
             Some(PaneNote { text, is_central: true }) => say(self.area.center(), egui::Align2::CENTER_CENTER, text),
@@ -285,6 +289,7 @@ impl PicturePane {
     fn unmarked<'p>(&'p self, workshop: &'p Workshop) -> &'p Picture {
         let snapshot = match self.mode {
             PaneMode::Snapshot(slot) => workshop.snapshot(slot).map(|snapshot| &snapshot.picture),
+            PaneMode::Sensitivity => self.sensitivity.as_ref(),
             PaneMode::Current | PaneMode::Split(_) | PaneMode::Difference(..) => None,
         };
         snapshot.or_else(|| self.comparison.picture(self.mode)).unwrap_or_else(|| workshop.shown())

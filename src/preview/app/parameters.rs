@@ -153,6 +153,7 @@ impl ParameterPanel {
                     workshop.release();
                 }
                 ValueEdit::Copy => workshop.copy_to_all(owner, id),
+                ValueEdit::ShowSensitivity => self.actions.push(Action::ShowSensitivity(Some((owner, id)))),
                 ValueEdit::ChooseImage => {
                     let name = workshop.values().table().parameter(id).name.clone();
                     self.actions.push(Action::ShowImageDialog(owner, name));

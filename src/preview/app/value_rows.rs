@@ -24,6 +24,8 @@ pub(super) enum ValueEdit {
     Release([f32; 3]),
     /// Gives it to all owners of the same kind.
     Copy,
+    /// Wants to see which pixels depend on it.
+    ShowSensitivity,
     /// Wants to choose the image of a texture.
     ChooseImage,
 }
@@ -168,6 +170,9 @@ impl RowContext<'_> {
             }
             if owner.kind() != Owner::Global && ui.button("Copy to all owners of this kind").clicked() {
                 edit = Some(ValueEdit::Copy);
+            }
+            if parameter.ty != Type::Texture && ui.button("Show which pixels depend on it").clicked() {
+                edit = Some(ValueEdit::ShowSensitivity);
             }
         });
         if name.double_clicked() {

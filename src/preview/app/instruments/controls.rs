@@ -1,7 +1,7 @@
 //! What the user chooses of a chart: the view, directions of light, and what is shown of the model.
 
 use crate::instrument::view::{Component, InstrumentView, LightUse, Shown, VIEWS, ViewSettings};
-use egui::{ComboBox, DragValue, Slider, Ui};
+use egui::{ComboBox, DragValue, Grid, Slider, Ui};
 
 /// The most angles of the light in one chart.
 const MOST_ANGLES: usize = 6;
@@ -114,19 +114,22 @@ impl ChartControls {
             LightUse::Several => self.angles_ui(ui),
             LightUse::One => {
                 ui.label("Light at").on_hover_text("The angle of the light from the normal");
+                ui.spacing_mut().slider_width = 96.0;
                 ui.add(Slider::new(&mut self.angle, 0.0..=STEEPEST).suffix("°").fixed_decimals(0));
             }
             LightUse::All | LightUse::Integrated => {}
         }
         let view = self.view().name;
-        ui.horizontal_wrapped(|ui| {
+        Grid::new("directions").num_columns(2).show(ui, |ui| {
             let about = "The direction of the light about the normal, from the tangent. Anisotropic models depend on it";
             ui.label("azimuth").on_hover_text(about);
             angle_field(ui, &mut self.azimuth, 360.0);
+            ui.end_row();
             if matches!(view, "polar" | "cartesian" | "reciprocity") {
                 let about = "The angle between the plane of incidence and the plane in which the viewer is";
                 ui.label("plane").on_hover_text(about);
                 angle_field(ui, &mut self.plane, 360.0);
+                ui.end_row();
             }
         });
         if !matches!(view, "furnace" | "reciprocity" | "sphere") {

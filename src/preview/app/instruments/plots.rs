@@ -136,7 +136,11 @@ pub(super) fn cartesian_ui(ui: &mut Ui, chart: &CartesianChart, theme: ChartThem
         for line in &chart.lines {
             let colour = colour_of(theme.warning());
             let style = LineStyle::Dashed { length: 7.0 };
-            plot.hline(HLine::new(line.label.clone(), scale.place(line.value)).color(colour).width(1.4).style(style));
+            let height = scale.place(line.value);
+            plot.hline(HLine::new("", height).color(colour).width(1.4).style(style));
+            let label = RichText::new(format!(" {}", line.label)).small();
+            let at = PlotPoint::new(chart.x.range.map_or(0.0, |[low, _]| low), height);
+            plot.text(Text::new("", at, label).color(colour).anchor(Align2::LEFT_TOP).allow_hover(false));
         }
         if let Some((angle, name)) = mark {
             plot.vline(
@@ -150,10 +154,10 @@ pub(super) fn cartesian_ui(ui: &mut Ui, chart: &CartesianChart, theme: ChartThem
 /// Marks of an axis of angles: each 15 degrees, or finer if it is zoomed. `step` is the least distance that is legible.
 fn angle_marks((low, high): (f64, f64), step: f64) -> Vec<GridMark> {
     const STEPS: [f64; 8] = [0.1, 0.5, 1.0, 5.0, 15.0, 30.0, 90.0, 180.0];
-    let size = STEPS.into_iter().find(|size| *size >= step).unwrap_or(360.0);
+    let size = STEPS.into_iter().find(|size| *size >= 4.0 * step).unwrap_or(360.0);
     let (first, last) = ((low / size).floor() as i64, (high / size).ceil() as i64);
     let count = (last - first).clamp(0, 2000);
-    (first..=first + count).map(|index| GridMark { value: size * index as f64, step_size: size * 4.0 }).collect()
+    (first..=first + count).map(|index| GridMark { value: size * index as f64, step_size: size }).collect()
 }
 
 /// Where a point at an angle from upwards, in degrees, and a distance is.
@@ -188,8 +192,8 @@ pub(super) fn polar_ui(ui: &mut Ui, chart: &PolarChart, theme: ChartTheme, mark:
         .data_aspect(1.0)
         .show_axes(false)
         .show_grid(false)
-        .include_x(-1.12 * rim)
-        .include_x(1.12 * rim)
+        .include_x(-1.2 * rim)
+        .include_x(1.2 * rim)
         .include_y(-0.1 * rim)
         .include_y(1.1 * rim)
         .label_formatter(move |at: &HoverPosition<'_>| {

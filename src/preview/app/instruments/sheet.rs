@@ -27,6 +27,8 @@ pub(super) struct SheetRequest {
 /// A chart, ready to be shown.
 pub(super) struct Sheet {
     pub(super) number: u64,
+    /// The name of the view.
+    pub(super) view: &'static str,
     /// Its heading is taken out.
     pub(super) chart: Chart,
     pub(super) heading: Heading,
@@ -48,7 +50,7 @@ impl Sheet {
                 painted(&figure).ok().map(|bitmap| image_of(&bitmap))
             }
         };
-        Self { number: request.number, chart, heading, image, time: start.elapsed() }
+        Self { number: request.number, view: request.view.name, chart, heading, image, time: start.elapsed() }
     }
 }
 

@@ -148,3 +148,53 @@ fn a_hit_gives_the_directions_and_the_place() {
     assert!(value.iter().zip(wanted).all(|(one, other)| (one - other).abs() < 1e-4), "{value:?} {wanted:?}");
     assert!((angle - f64::from(light.variables.alpha.to_degrees())).abs() < 1e-2);
 }
+
+/// Waits until the sensitivity in view is that of the values.
+fn settle_sensitivity(harness: &mut Harness<'_, App>) {
+    for _ in 0..30_000 {
+        harness.step();
+        if harness.state().sensitivity_is_settled() {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    panic!("no sensitivity came");
+}
+
+#[test]
+fn sensitivity_reaches_the_pixels_of_its_body_and_escape_ends_it() {
+    let mut harness = harness();
+    apply(&mut harness, LAMBERT);
+    set_all(&mut harness, "part", 0.5);
+    let picture = settle(&mut harness);
+    let app = harness.state_mut();
+    let id = app.workshop.formula().parameter_named("part").unwrap();
+    let view = app.workshop.view().unwrap();
+    let pixel = [32, 24];
+    let body = pane::body_at(&app.workshop, pixel).expect("a body in the middle");
+    let of = (OwnerId::Body(body), id);
+    app.perform(Action::ShowSensitivity(Some(of)));
+    settle_sensitivity(&mut harness);
+    let app = harness.state_mut();
+    let shown = app.pane.picture(&app.workshop).clone();
+    assert!(shown.pixels != picture && shown.pixels.len() == picture.len());
+    let tracer_of = |index: usize| pane::body_at(&app.workshop, [index as u32 % 64, index as u32 / 64]);
+    // No mirrors here: a pixel depends on the value only if it shows the body.
+    let reached = |word: u32| word != 0x0014_1414;
+    let is_right = |(index, word): (usize, &u32)| !reached(*word) || tracer_of(index) == Some(body);
+    assert!(shown.pixels.iter().enumerate().all(is_right));
+    assert!(shown.pixels.iter().any(|word| reached(*word)));
+    // The inspector says the same of one pixel: the light that it has, over the value, as Lambert is linear in it.
+    let numbers = app.workshop.values().numbers().to_vec();
+    let formula = std::sync::Arc::clone(app.workshop.formula());
+    let world = std::sync::Arc::clone(app.workshop.world());
+    let inspection = crate::evaluate::inspect::Inspector::new(&formula, &world, &numbers).inspect(&view, pixel).unwrap();
+    let hit = inspection.hit(0).unwrap();
+    let lit: [f32; 3] = std::array::from_fn(|component| hit.lights.iter().map(|light| light.contribution[component]).sum());
+    let slope = pixel_dependence::PixelDependence::default().slope(&app.workshop, &inspection, of).unwrap();
+    assert!(slope.iter().zip(lit).all(|(slope, lit)| (slope - lit / 0.5).abs() < 1e-4), "{slope:?} {lit:?}");
+    harness.key_press(egui::Key::Escape);
+    harness.run_steps(3);
+    assert_eq!(harness.state().pane.mode, comparison::PaneMode::Current);
+    assert!(settle(&mut harness) == picture);
+}
