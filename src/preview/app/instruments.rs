@@ -265,10 +265,6 @@ impl InstrumentPanel {
         }
         self.controls.ui(ui);
         ui.separator();
-        let now = self.subject.as_ref().map(|subject| subject.formula.clone()).unwrap_or_default();
-        if self.overlays.ui(ui, &format!("{now}, now"), theme) {
-            self.overlays_version += 1;
-        }
         ui.horizontal_wrapped(|ui| {
             let has_room = self.overlays.has_room();
             let keep = ui.add_enabled(has_room, Button::new("Keep"));
@@ -286,6 +282,10 @@ impl InstrumentPanel {
                 actions.push(Action::ShowSaveChartDialog);
             }
         });
+        let now = self.subject.as_ref().map(|subject| subject.formula.clone()).unwrap_or_default();
+        if self.overlays.ui(ui, &format!("{now}, now"), theme) {
+            self.overlays_version += 1;
+        }
     }
 
     /// The models in their order: the formula first.

@@ -2,9 +2,9 @@
 //! under the pointer. The colours are those of saved charts.
 
 use crate::plot::{CartesianChart, ChartAxis, ChartTheme, Curve, Dashes, PolarChart};
-use egui::{Align2, Color32, RichText, Ui};
+use egui::{Align2, Color32, Rangef, RichText, Ui};
 use egui_plot::{
-    Corner, GridMark, HLine, HoverPosition, Legend, Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotUi, Text, VLine,
+    AxisHints, Corner, GridMark, HLine, HoverPosition, Legend, Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotUi, Text, VLine,
 };
 
 /// How many decades a logarithmic axis shows below the greatest number.
@@ -96,12 +96,12 @@ fn add_curves(plot: &mut PlotUi<'_>, curves: &[Curve], theme: ChartTheme, place:
     }
 }
 
-fn plot<'p>(name: &str, curves: &[Curve]) -> Plot<'p> {
+fn plot<'p>(name: &str, curves: &[Curve], corner: Corner) -> Plot<'p> {
     let plot = Plot::new(name).allow_scroll(false).set_margin_fraction(egui::vec2(0.0, 0.04));
     if curves.len() < 2 {
         return plot;
     }
-    let legend = Legend::default().position(Corner::RightTop).background_alpha(0.75).follow_insertion_order(true);
+    let legend = Legend::default().position(corner).background_alpha(0.75).follow_insertion_order(true);
     plot.legend(legend.text_style(egui::TextStyle::Small))
 }
 
@@ -109,15 +109,20 @@ fn plot<'p>(name: &str, curves: &[Curve]) -> Plot<'p> {
 pub(super) fn cartesian_ui(ui: &mut Ui, chart: &CartesianChart, theme: ChartTheme, mark: Option<(f64, &str)>) {
     let scale = PlotScale::new(&chart.y, &chart.curves);
     let (x_name, y_name) = (plain(&chart.x.title), plain(&chart.y.title));
-    let mut plot = plot("cartesian", &chart.curves)
-        .x_axis_label(RichText::new(plain(&chart.x.full_title())).small())
-        .y_axis_label(RichText::new(plain(&chart.y.full_title())).small())
-        .x_axis_formatter(|mark: GridMark, _| format!("{}°", mark.value).replace('-', "−"))
-        .y_axis_formatter(move |mark: GridMark, _| match scale.lowest {
-            None => number_text(mark.value).replace('-', "−"),
-            Some(_) if (mark.value - mark.value.round()).abs() < 1e-6 => number_text(scale.number(mark.value)),
-            Some(_) => String::new(),
-        })
+    let small = |text: String| RichText::new(text).small();
+    let x_axis = AxisHints::new_x()
+        .label(small(plain(&chart.x.full_title())))
+        .formatter(|mark: GridMark, _| format!("{}°", (10.0 * mark.value).round() / 10.0).replace('-', "−"))
+        .label_spacing(Rangef::new(26.0, 34.0));
+    let y_axis = AxisHints::new_y().label(small(plain(&chart.y.full_title()))).formatter(move |mark: GridMark, _| {
+        let is_whole = scale.lowest.is_none() || (mark.value - mark.value.round()).abs() < 1e-6;
+        if is_whole { number_text(scale.number(mark.value)).replace('-', "−") } else { String::new() }
+    });
+    // Lobes are at the other side.
+    let mut plot = plot("cartesian", &chart.curves, Corner::LeftTop)
+        .custom_x_axes(vec![x_axis])
+        .custom_y_axes(vec![y_axis])
+        .grid_color(colour_of(theme.grid()))
         .label_formatter(move |at: &HoverPosition<'_>| {
             let (name, position) = match at {
                 HoverPosition::NearDataPoint { plot_name, position, .. } => (format!("{plot_name}\n"), position),
@@ -131,16 +136,23 @@ pub(super) fn cartesian_ui(ui: &mut Ui, chart: &CartesianChart, theme: ChartThem
     if let Some([low, high]) = chart.x.range {
         plot = plot.include_x(low).include_x(high);
     }
+    if scale.lowest.is_some() {
+        plot = plot.y_grid_spacer(|input| decade_marks(input.bounds));
+    }
     plot = plot.include_y(0.0);
+    if let Some(highest) = chart.lines.iter().map(|line| line.value).reduce(f64::max) {
+        // Room for what is written at the line.
+        plot = plot.include_y(scale.place(1.12 * highest));
+    }
     plot.show(ui, |plot| {
         for line in &chart.lines {
             let colour = colour_of(theme.warning());
             let style = LineStyle::Dashed { length: 7.0 };
             let height = scale.place(line.value);
             plot.hline(HLine::new("", height).color(colour).width(1.4).style(style));
-            let label = RichText::new(format!(" {}", line.label)).small();
-            let at = PlotPoint::new(chart.x.range.map_or(0.0, |[low, _]| low), height);
-            plot.text(Text::new("", at, label).color(colour).anchor(Align2::LEFT_TOP).allow_hover(false));
+            let label = RichText::new(format!("{} ", line.label)).small();
+            let at = PlotPoint::new(chart.x.range.map_or(0.0, |[_, high]| high), height);
+            plot.text(Text::new("", at, label).color(colour).anchor(Align2::RIGHT_BOTTOM).allow_hover(false));
         }
         if let Some((angle, name)) = mark {
             plot.vline(
@@ -154,10 +166,16 @@ pub(super) fn cartesian_ui(ui: &mut Ui, chart: &CartesianChart, theme: ChartThem
 /// Marks of an axis of angles: each 15 degrees, or finer if it is zoomed. `step` is the least distance that is legible.
 fn angle_marks((low, high): (f64, f64), step: f64) -> Vec<GridMark> {
     const STEPS: [f64; 8] = [0.1, 0.5, 1.0, 5.0, 15.0, 30.0, 90.0, 180.0];
-    let size = STEPS.into_iter().find(|size| *size >= 4.0 * step).unwrap_or(360.0);
+    let size = STEPS.into_iter().find(|size| *size >= 3.5 * step).unwrap_or(360.0);
     let (first, last) = ((low / size).floor() as i64, (high / size).ceil() as i64);
     let count = (last - first).clamp(0, 2000);
     (first..=first + count).map(|index| GridMark { value: size * index as f64, step_size: size }).collect()
+}
+
+/// Marks of a logarithmic axis: each decade.
+fn decade_marks((low, high): (f64, f64)) -> Vec<GridMark> {
+    let (first, last) = (low.floor().clamp(-400.0, 400.0) as i32, high.ceil().clamp(-400.0, 400.0) as i32);
+    (first..=last).map(|decade| GridMark { value: f64::from(decade), step_size: 1.0 }).collect()
 }
 
 /// Where a point at an angle from upwards, in degrees, and a distance is.
@@ -188,7 +206,7 @@ pub(super) fn polar_ui(ui: &mut Ui, chart: &PolarChart, theme: ChartTheme, mark:
     let greatest = places.filter(|place| place.is_finite()).fold(0.0, f64::max);
     let rings = rings(scale, if greatest > 0.0 { greatest } else { 1.0 });
     let rim = rings.last().copied().unwrap_or(1.0);
-    let plot = plot("polar", &chart.curves)
+    let plot = plot("polar", &chart.curves, Corner::RightTop)
         .data_aspect(1.0)
         .show_axes(false)
         .show_grid(false)

@@ -166,6 +166,8 @@ fn sensitivity_reaches_the_pixels_of_its_body_and_escape_ends_it() {
     let mut harness = harness();
     apply(&mut harness, LAMBERT);
     set_all(&mut harness, "part", 0.5);
+    set_all(&mut harness, "kr", 0.0);
+    set_all(&mut harness, "kt", 0.0);
     let picture = settle(&mut harness);
     let app = harness.state_mut();
     let id = app.workshop.formula().parameter_named("part").unwrap();
