@@ -1,7 +1,7 @@
 //! All kinds of charts.
 
 use crate::plot::cartesian::CartesianChart;
-use crate::plot::curve::Heading;
+use crate::plot::curve::ChartHeading;
 use crate::plot::figure::Figure;
 use crate::plot::lobe::LobeChart;
 use crate::plot::map::MapChart;
@@ -34,7 +34,7 @@ impl Chart {
     }
 
     /// What stands over it. Where that is written elsewhere, it may be taken away.
-    pub fn heading_mut(&mut self) -> &mut Heading {
+    pub fn heading_mut(&mut self) -> &mut ChartHeading {
         match self {
             Chart::Cartesian(chart) => &mut chart.heading,
             Chart::Polar(chart) => &mut chart.heading,

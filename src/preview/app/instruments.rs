@@ -14,7 +14,7 @@ mod verdict;
 
 pub(super) use hit::InstrumentPlace;
 
-use crate::instrument::measurement::Measurement;
+use crate::instrument::measurement::ModelMeasurement;
 use crate::instrument::model::Place;
 use crate::instrument::view::{LightUse, NamedModel, ViewSettings};
 use crate::plot::{Chart, ChartTheme};
@@ -103,7 +103,7 @@ impl InstrumentPanel {
         let also = Arc::clone(&wake);
         let measure = |held: HeldFormula| {
             let start = Instant::now();
-            let words = VerdictWords::new(&Measurement::of(&held));
+            let words = VerdictWords::new(&ModelMeasurement::of(&held));
             (KnownVerdict { words, held }, start.elapsed())
         };
         Self {

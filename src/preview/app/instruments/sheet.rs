@@ -3,7 +3,7 @@
 use crate::files::{reason, replace_file};
 use crate::instrument::view::{InstrumentView, NamedModel, ViewSettings};
 use crate::picture::{Bitmap, Format, bitmap_file_bytes};
-use crate::plot::{Chart, ChartTheme, Heading, painted, svg};
+use crate::plot::{Chart, ChartTheme, ChartHeading, painted, svg};
 use crate::preview::app::chart_format::ChartFormat;
 use egui::ColorImage;
 use std::io::Write;
@@ -31,7 +31,7 @@ pub(super) struct Sheet {
     pub(super) view: &'static str,
     /// Its heading is taken out.
     pub(super) chart: Chart,
-    pub(super) heading: Heading,
+    pub(super) heading: ChartHeading,
     /// The drawing, of charts that egui does not draw itself.
     pub(super) image: Option<ColorImage>,
     pub(super) time: Duration,

@@ -1,6 +1,6 @@
 //! The verdict on energy: whether a model reflects more light than it gets, in words.
 
-use crate::instrument::measurement::{EnergyVerdict, Measurement};
+use crate::instrument::measurement::{EnergyVerdict, ModelMeasurement};
 
 /// What is said of a model.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -24,7 +24,7 @@ const ROUNDING: f64 = -1e-6;
 
 impl VerdictWords {
     /// The words for a measurement.
-    pub(super) fn new(measured: &Measurement) -> Self {
+    pub(super) fn new(measured: &ModelMeasurement) -> Self {
         let best = measured.beam;
         let has_colour = measured.rows.iter().any(|row| row.beam.iter().any(|share| (share - row.beam[0]).abs() > 1e-3));
         let light = if has_colour { [" red", " green", " blue"][best.component.min(2)] } else { "" };
@@ -59,7 +59,7 @@ impl VerdictWords {
     }
 }
 
-fn details(measured: &Measurement) -> String {
+fn details(measured: &ModelMeasurement) -> String {
     let mut lines = Vec::new();
     let furnace = measured.furnace;
     lines.push(format!(
@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn the_verdict_has_the_albedo_of_matte_surfaces() {
-        let of = |albedo: [f32; 3]| VerdictWords::new(&Measurement::of(&Matte(albedo)));
+        let of = |albedo: [f32; 3]| VerdictWords::new(&ModelMeasurement::of(&Matte(albedo)));
         let half = of([0.5; 3]);
         assert!(half.text.starts_with("Conserves energy: at most 50 % of the light is reflected"), "{}", half.text);
         assert!(!half.is_warning && half.details.contains("It is reciprocal"));
