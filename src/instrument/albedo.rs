@@ -61,26 +61,58 @@ pub fn albedos(model: &dyn Reflectance, over: Integration, angles: &[[f64; 2]]) 
     angles.par_iter().map(|angles| integrate(model, over, *angles, ACCURACY)).collect()
 }
 
-/// The greatest share of the light, over all directions.
+/// The shares along one azimuth.
+struct SearchedColumn {
+    azimuth: f64,
+    found: Vec<HemisphereIntegral>,
+    /// The row of the greatest share.
+    best: usize,
+}
+
+impl SearchedColumn {
+    fn new(model: &dyn Reflectance, over: Integration, azimuth: f64) -> Self {
+        let found = albedos(model, over, &SEARCHED.map(|polar| [polar, azimuth]));
+        let shares = found.iter().map(|integral| greatest_component(integral).1).enumerate();
+        let best = shares.max_by(|one, other| one.1.total_cmp(&other.1)).map_or(0, |(row, _)| row);
+        Self { azimuth, found, best }
+    }
+
+    fn share(&self) -> f64 {
+        greatest_component(&self.found[self.best]).1
+    }
+
+    /// Whether most of its integrals are not accurate.
+    fn is_rough(&self) -> bool {
+        2 * self.found.iter().filter(|integral| !integral.is_accurate).count() > self.found.len()
+    }
+}
+
+/// The greatest share of the light, over all directions. A model that is too rough to be integrated is looked at with
+/// less care, so that the answer does not take minutes.
 pub fn greatest(model: &dyn Reflectance, over: Integration, depends_on_azimuth: bool) -> GreatestAlbedo {
-    let azimuths = if depends_on_azimuth { &AZIMUTHS[..] } else { &AZIMUTHS[..1] };
-    let grid: Vec<[f64; 2]> = azimuths.iter().flat_map(|azimuth| SEARCHED.map(|polar| [polar, *azimuth])).collect();
-    let found = albedos(model, over, &grid);
-    let share = |index: usize| greatest_component(&found[index]).1;
-    let best = (0..grid.len()).max_by(|one, other| share(*one).total_cmp(&share(*other))).unwrap_or(0);
-    let (row, azimuth) = (best % SEARCHED.len(), grid[best][1]);
+    let mut column = SearchedColumn::new(model, over, AZIMUTHS[0]);
+    let is_rough = column.is_rough();
+    if depends_on_azimuth && !is_rough {
+        for azimuth in &AZIMUTHS[1..] {
+            let other = SearchedColumn::new(model, over, *azimuth);
+            if other.share() > column.share() {
+                column = other;
+            }
+        }
+    }
+    let SearchedColumn { azimuth, found, best: row } = &column;
+    let at = |polar: f64| integrate(model, over, [polar, *azimuth], ACCURACY);
     let around = [SEARCHED[row.saturating_sub(1)], *SEARCHED.get(row + 1).unwrap_or(&STEEPEST)];
-    let at = |polar: f64| integrate(model, over, [polar, azimuth], ACCURACY);
-    let top = highest(around, (grid[best][0], found[best].clone()), &at);
+    let best = (SEARCHED[*row], found[*row].clone());
+    let top = if is_rough { best } else { highest(around, best, &at) };
     let (component, share) = greatest_component(&top.1);
     let is_above = |integral: &HemisphereIntegral| greatest_component(integral).1 > 1.0 + integral.error.max(0.5 * EQUAL);
     let above_one_from = is_above(&top.1).then(|| {
-        let column = &found[best - row..best - row + SEARCHED.len()];
-        let first = column.iter().position(is_above).map_or(top.0, |first| SEARCHED[first].min(top.0));
-        let below = SEARCHED.iter().copied().zip(column).rfind(|(polar, integral)| *polar < first && !is_above(integral));
-        below.map_or(first, |(below, _)| crossing([below, first], |polar| is_above(&at(polar))))
+        let first = found.iter().position(is_above).map_or(top.0, |first| SEARCHED[first].min(top.0));
+        let below = SEARCHED.iter().copied().zip(found).rfind(|(polar, integral)| *polar < first && !is_above(integral));
+        below.filter(|_| !is_rough).map_or(first, |(below, _)| crossing([below, first], |polar| is_above(&at(polar))))
     });
-    GreatestAlbedo { share, error: top.1.error, component, angles: [top.0, azimuth], above_one_from }
+    GreatestAlbedo { share, error: top.1.error, component, angles: [top.0, *azimuth], above_one_from }
 }
 
 /// Looks for the greatest share between two angles, by thirds.

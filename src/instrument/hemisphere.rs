@@ -21,8 +21,9 @@ pub enum Integration {
     OverLights,
 }
 
-/// The most evaluations of one integral.
-const MOST_EVALUATIONS: usize = 400_000;
+/// The most evaluations of one integral. A smooth model takes about 20,000, and GGX with a roughness of 0.001 takes
+/// 50,000 at 89 degrees.
+const MOST_EVALUATIONS: usize = 150_000;
 /// Cells at the mirror direction are halved until they are this small, in radians: small enough for a point to see a
 /// lobe of GGX with a roughness of 0.001, or a cosine to the power of 100,000.
 const MIRROR_SIZE: f64 = 4e-4;

@@ -111,3 +111,20 @@ fn the_ranges_of_parameters_are_looked_at() {
     let without = measured(folder.path(), "wide.formula");
     assert!(without.get("ranges").is_none());
 }
+
+#[test]
+fn what_cannot_be_told_is_not_told() {
+    let folder = folder();
+    write(&folder, "none.formula", "formula; = IL*sqrt(-1 - N.L);");
+    let found = measured(folder.path(), "none.formula");
+    assert_eq!((&found["conserves_energy"], &found["smallest"]), (&Value::Null, &Value::Null));
+    let said = told(folder.path(), "measure none.formula");
+    assert!(said.contains("energy        unknown: there is no finite value"), "{said}");
+    // Half of the directions reflect everything, in stripes that are too narrow to be integrated.
+    write(&folder, "stripes.formula", "formula; = IL*if(fract(999*getx(V)) < 0.5, 1, 0)*max(0, N.L);");
+    let said = told(folder.path(), "measure stripes.formula");
+    assert!(said.contains("ACCURACY      low: shares may be wrong by "), "{said}");
+    write(&folder, "huge.formula", "formula; = IL*1e38*max(0, N.L);");
+    let said = told(folder.path(), "measure huge.formula");
+    assert!(said.contains("NOT conserved: 1.000e38 of the light"), "{said}");
+}

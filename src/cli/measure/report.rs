@@ -2,7 +2,7 @@
 
 use crate::cli::measure::settings::RangeFindings;
 use illuminator::instrument::DirectionPair;
-use illuminator::instrument::albedo::{EQUAL, GreatestAlbedo};
+use illuminator::instrument::albedo::{ACCURACY, EQUAL, GreatestAlbedo};
 use illuminator::instrument::expressions::ExpressionRange;
 use illuminator::instrument::hemisphere::angles_of;
 use illuminator::instrument::measurement::{EnergyVerdict, ModelMeasurement};
@@ -16,8 +16,8 @@ pub(super) const COMPONENTS: [&str; 3] = ["red", "green", "blue"];
 pub(super) struct MeasurementReport {
     /// The model.
     pub(super) model: String,
-    /// Whether at most all of any beam of light is reflected.
-    pub(super) conserves_energy: bool,
+    /// Whether at most all of any beam of light is reflected; null if there is no finite value.
+    pub(super) conserves_energy: Option<bool>,
     /// The greatest share of a beam that is reflected.
     pub(super) greatest_albedo: GreatestReport,
     /// The most that a viewer sees in a white furnace.
@@ -195,7 +195,7 @@ impl MeasurementReport {
         };
         Self {
             model: model.to_owned(),
-            conserves_energy: measured.verdict() == EnergyVerdict::Conserves,
+            conserves_energy: measured.least.map(|_| measured.verdict() == EnergyVerdict::Conserves),
             greatest_albedo: GreatestReport::new(&measured.beam),
             greatest_in_furnace: GreatestReport::new(&measured.furnace),
             albedo: rows.collect(),
@@ -210,6 +210,15 @@ impl MeasurementReport {
             expressions: expressions.iter().map(expression).collect(),
             ranges: ranges.map(RangeReport::new),
         }
+    }
+
+    /// How wrong shares may be, if that is more than is usual: a model may be too rough to be integrated.
+    pub(super) fn large_error(&self) -> Option<f64> {
+        let of_rows = self.albedo.iter().map(|row| (row.error, row.beam.iter().chain(&row.furnace).copied().fold(1.0, f64::max)));
+        let greatest =
+            [&self.greatest_albedo, &self.greatest_in_furnace].map(|greatest| (greatest.error, greatest.share.max(1.0)));
+        let large = of_rows.chain(greatest).filter(|(error, scale)| *error > 1.5 * ACCURACY * scale);
+        large.map(|(error, _)| error).max_by(f64::total_cmp)
     }
 
     /// Whether red, green and blue are the same everywhere, so one column tells all.

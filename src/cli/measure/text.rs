@@ -16,7 +16,7 @@ pub(super) fn table(report: &MeasurementReport) -> String {
         let _ = writeln!(text, "{name:<NAME_WIDTH$}{said}");
     };
     fact("energy", verdict(report));
-    if !report.is_reciprocal {
+    if !report.is_reciprocal && report.conserves_energy.is_some() {
         fact("furnace", furnace(&report.greatest_in_furnace));
     }
     fact("reciprocity", reciprocity(report));
@@ -29,6 +29,9 @@ pub(super) fn table(report: &MeasurementReport) -> String {
             None => "no finite value".to_owned(),
         },
     );
+    if let Some(error) = report.large_error() {
+        fact("ACCURACY", format!("low: shares may be wrong by {}", number(error)));
+    }
     if let Some(pair) = &report.not_finite {
         fact("NOT FINITE", format!("at {}; there it counts as 0", place(pair)));
     }
@@ -49,6 +52,11 @@ fn degrees(angle: f64) -> String {
     if angle > 89.0 { format!("{angle:.2}°") } else { format!("{angle:.1}°") }
 }
 
+/// A share of the light with this many digits behind the point; a very large one as a power of ten.
+fn portion(share: f64, digits: usize) -> String {
+    if share.abs() < 1e5 { format!("{share:.digits$}") } else { format!("{share:.3e}") }
+}
+
 fn percent(share: f64) -> String {
     if share < 5e-5 {
         return "less than 0.01 %".to_owned();
@@ -60,23 +68,25 @@ fn percent(share: f64) -> String {
 /// The answer to whether energy is conserved.
 fn verdict(report: &MeasurementReport) -> String {
     let greatest = &report.greatest_albedo;
-    let at = of_greatest(greatest, report.depends_on_azimuth, report.is_grey());
-    match greatest.above_one_from {
-        None => format!("conserved: at most {:.3} of a beam of light is reflected ({at})", greatest.share),
-        Some(from) if from <= 0.05 => format!("NOT conserved: {:.3} of the light at {at}; above 1 at once", greatest.share),
-        Some(from) => {
+    let (share, at) = (portion(greatest.share, 3), of_greatest(greatest, report.depends_on_azimuth, report.is_grey()));
+    let said = match (report.conserves_energy, greatest.above_one_from) {
+        (None, _) => return "unknown: there is no finite value".to_owned(),
+        (_, None) => format!("conserved: at most {share} of a beam of light is reflected ({at})"),
+        (_, Some(from)) if from <= 0.05 => format!("NOT conserved: {share} of the light at {at}; above 1 at once"),
+        (_, Some(from)) => {
             let only = if from > 89.0 { "only along the surface, " } else { "" };
-            format!("NOT conserved: {:.3} of the light at {at}; {only}above 1 from {}", greatest.share, degrees(from))
+            format!("NOT conserved: {share} of the light at {at}; {only}above 1 from {}", degrees(from))
         }
-    }
+    };
+    if report.not_finite.is_some() { format!("where values are finite, {said}") } else { said }
 }
 
 /// What a viewer sees of a model that is not reciprocal.
 fn furnace(greatest: &GreatestReport) -> String {
-    let at = degrees(greatest.theta);
+    let (share, at) = (portion(greatest.share, 3), degrees(greatest.theta));
     match greatest.above_one_from {
-        None => format!("at most {:.3} is seen in a white furnace (at {at})", greatest.share),
-        Some(from) => format!("up to {:.3} is seen in a white furnace, at {at}; above 1 from {}", greatest.share, degrees(from)),
+        None => format!("at most {share} is seen in a white furnace (at {at})"),
+        Some(from) => format!("up to {share} is seen in a white furnace, at {at}; above 1 from {}", degrees(from)),
     }
 }
 
@@ -120,7 +130,8 @@ fn over_ranges(ranges: &RangeReport) -> String {
         let _ = writeln!(text, "  {name:<NAME_WIDTH$}{said}");
     };
     if let Some(greatest) = &ranges.greatest_albedo {
-        let most = format!("{:.3} of a beam at {}{}", greatest.share, degrees(greatest.theta), with(&ranges.greatest_with));
+        let share = portion(greatest.share, 3);
+        let most = format!("{share} of a beam at {}{}", degrees(greatest.theta), with(&ranges.greatest_with));
         fact(
             "energy",
             match above_one {
@@ -157,7 +168,7 @@ fn shares(report: &MeasurementReport) -> String {
     }
     for row in &report.albedo {
         let furnace = row.furnace.iter().take(if has_furnace { components } else { 0 });
-        let numbers = row.beam.iter().take(components).chain(furnace).map(|share| format!("{share:.4}"));
+        let numbers = row.beam.iter().take(components).chain(furnace).map(|share| portion(*share, 4));
         lines.push(std::iter::once(format!("{}°", row.theta)).chain(numbers).collect());
     }
     let what = if has_furnace {

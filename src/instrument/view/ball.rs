@@ -97,23 +97,26 @@ impl FurnaceTable {
 
 /// A ball in a white furnace.
 pub(super) fn furnace(models: &[NamedModel], settings: &ViewSettings) -> Chart {
-    let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+    let mut heading = settings.heading("White furnace: darker loses light, brighter makes light");
     let mut panels = Vec::new();
     for (number, model) in models.iter().enumerate() {
         let table = FurnaceTable::new(model.model.as_ref());
-        for share in table.shares.iter().flatten() {
-            range = [range[0].min(*share), range[1].max(*share)];
-        }
+        let ends = |[low, high]: [f64; 2], share: &f64| [low.min(*share), high.max(*share)];
+        let [least, greatest] = table.shares.iter().flatten().fold([f64::INFINITY, f64::NEG_INFINITY], ends);
+        let told = format!("sends {least:.3} to {greatest:.3} of the light");
         let colours = |normals: &[DVec3]| -> Vec<[f32; 3]> {
             let seen = normals.iter().map(|normal| table.at(frame(*normal).transpose() * DVec3::Z));
             seen.map(|share| share.map(|component| FURNACE * component as f32)).collect()
         };
-        let values = MapValues::Colours(ball([FURNACE; 3], colours));
-        panels.push(MapPanel { name: ViewSettings::name_among(models, number), size: [SIDE; 2], values });
+        let mut name = ViewSettings::name_among(models, number);
+        if name.is_empty() {
+            let separator = if heading.subtitle.is_empty() { "" } else { "; " };
+            heading.subtitle.push_str(&format!("{separator}the ball {told}"));
+        } else {
+            name = format!("{name} {told}");
+        }
+        panels.push(MapPanel { name, size: [SIDE; 2], values: MapValues::Colours(ball([FURNACE; 3], colours)) });
     }
-    let mut heading = settings.heading("White furnace: darker loses light, brighter makes light");
-    let separator = if heading.subtitle.is_empty() { "" } else { "; " };
-    heading.subtitle.push_str(&format!("{separator}the ball sends {:.3} to {:.3} of the light", range[0], range[1]));
     Chart::Map(MapChart { heading, axes: None, bar: ChartAxis::default(), panels })
 }
 

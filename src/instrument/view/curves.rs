@@ -48,7 +48,8 @@ fn reflection_curves(models: &[NamedModel], polar: &[f64], settings: &ViewSettin
             let (angles, colours) = over_outgoing(model, *angle, settings);
             for ComponentPart { name: part, colour: own_colour, of: component } in &parts {
                 let model_name = ViewSettings::name_among(models, number);
-                let incoming = if polar.len() > 1 || model_name.is_empty() { incoming_name(*angle) } else { String::new() };
+                let is_alone = model_name.is_empty() && parts.len() == 1;
+                let incoming = if polar.len() > 1 || is_alone { incoming_name(*angle) } else { String::new() };
                 let words = [model_name.as_str(), &incoming, *part].into_iter().filter(|word| !word.is_empty());
                 // Among components, colours tell them apart; else among models; else among angles.
                 let is_colour_free = parts.len() == 1;
