@@ -7,12 +7,11 @@ use crate::cli::output::{check_distinct, check_file};
 use crate::cli::report::{Failure, print_bytes, prints_to_terminal, warn};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use illuminator::files::{reason, replace_file, replace_text};
+use illuminator::files::{reason, replace_file};
 use illuminator::instrument::direction::STEEPEST;
 use illuminator::instrument::view::{Component, InstrumentView, NamedModel, Shown, VIEWS, ViewChoice, ViewSettings};
 use illuminator::lang::diagnostic::Diagnostic;
-use illuminator::picture::{Format, bitmap_file_bytes};
-use illuminator::plot::{Chart, ChartTheme, painted, svg};
+use illuminator::plot::{Chart, ChartFormat, ChartTheme};
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -78,14 +77,6 @@ struct SeenFrom([f64; 2]);
 #[derive(Debug, Clone, Copy)]
 struct ChartSize([u32; 2]);
 
-/// In what form a chart is written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum ChartFormat {
-    Png,
-    Svg,
-    Csv,
-}
-
 fn views() -> impl TypedValueParser<Value = &'static InstrumentView> {
     let values = VIEWS.iter().map(|view| PossibleValue::new(view.name).help(view.doc));
     PossibleValuesParser::new(values).try_map(|name| InstrumentView::named(&name).ok_or("no such view"))
@@ -118,37 +109,29 @@ fn side(text: &str) -> Result<ChartSize, String> {
     sides.map(ChartSize).ok_or_else(|| format!("expected a size such as 800x600, each side {least} to {greatest}"))
 }
 
-impl ChartFormat {
-    /// The format that a path asks for.
-    fn of(path: &Path) -> Result<Self, Failure> {
-        if path == Path::new("-") {
-            if prints_to_terminal() {
-                let error = Diagnostic::error("a picture cannot be shown in a terminal");
-                return Err(Failure::CommandLine(error.help("send it on, as in `-o - > chart.png` or `-o - | viewer`")));
-            }
-            return Ok(ChartFormat::Png);
+/// The format that a path asks for.
+fn format_of(path: &Path) -> Result<ChartFormat, Failure> {
+    if path == Path::new("-") {
+        if prints_to_terminal() {
+            let error = Diagnostic::error("a picture cannot be shown in a terminal");
+            return Err(Failure::CommandLine(error.help("send it on, as in `-o - > chart.png` or `-o - | viewer`")));
         }
-        let suffix = path.extension().map(|suffix| suffix.to_string_lossy().to_lowercase());
-        let format = match suffix.as_deref() {
-            Some("png") => ChartFormat::Png,
-            Some("svg") => ChartFormat::Svg,
-            Some("csv") => ChartFormat::Csv,
-            Some(_) | None => {
-                let message = match path.extension() {
-                    Some(suffix) => format!("charts of the kind `.{}` cannot be written", suffix.display()),
-                    None => format!("`{}` does not say by a suffix what kind of chart it is to be", path.display()),
-                };
-                return Err(Failure::CommandLine(Diagnostic::error(message).help("the kinds are .png, .svg, .csv")));
-            }
-        };
-        check_file(path)?;
-        Ok(format)
+        return Ok(ChartFormat::Png);
     }
+    let format = ChartFormat::of(path).ok_or_else(|| {
+        let message = match path.extension() {
+            Some(suffix) => format!("charts of the kind `.{}` cannot be written", suffix.display()),
+            None => format!("`{}` does not say by a suffix what kind of chart it is to be", path.display()),
+        };
+        Failure::CommandLine(Diagnostic::error(message).help(format!("the kinds are {}", ChartFormat::suffixes())))
+    })?;
+    check_file(path)?;
+    Ok(format)
 }
 
 /// Draws.
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
-    let format = ChartFormat::of(&options.output)?;
+    let format = format_of(&options.output)?;
     if options.with.len() >= MOST_MODELS {
         return Err(Failure::command_line(format!("a chart shows at most {MOST_MODELS} models")));
     }
@@ -226,17 +209,10 @@ fn write(options: &Options, format: ChartFormat, chart: &Chart) -> Result<(), Fa
     let ChartSize(size) = options.size.unwrap_or(ChartSize(USUAL_SIZE));
     let theme = if options.dark { ChartTheme::Dark } else { ChartTheme::Light };
     let path = &options.output;
-    let unwritten = |error: std::io::Error| Failure::input(format!("cannot write `{}`: {}", path.display(), reason(&error)));
-    match format {
-        ChartFormat::Csv => replace_text(path, &chart.table().csv()).map_err(unwritten),
-        ChartFormat::Svg => replace_text(path, &svg(&chart.figure(size, theme))).map_err(unwritten),
-        ChartFormat::Png => {
-            let bitmap = painted(&chart.figure(size, theme)).map_err(Failure::input)?;
-            let bytes = bitmap_file_bytes(&bitmap, Format::Png).map_err(unwritten)?;
-            if path == Path::new("-") {
-                return print_bytes(&bytes);
-            }
-            replace_file(path, |writer| writer.write_all(&bytes)).map_err(unwritten)
-        }
+    let bytes = format.bytes(chart, size, theme).map_err(Failure::input)?;
+    if path == Path::new("-") {
+        return print_bytes(&bytes);
     }
+    replace_file(path, |writer| writer.write_all(&bytes))
+        .map_err(|error| Failure::input(format!("cannot write `{}`: {}", path.display(), reason(&error))))
 }

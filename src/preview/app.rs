@@ -8,7 +8,6 @@
 mod action;
 mod asset_loading;
 mod autosave;
-mod chart_format;
 mod colours;
 mod comparison;
 mod confirmation;

@@ -4,8 +4,9 @@ use crate::lang::display_text::one_line;
 use crate::measured;
 use crate::mesh::FORMATS;
 use crate::picture::Format;
+use crate::plot::ChartFormat;
 use crate::preview::app::Action;
-use crate::preview::app::chart_format::ChartFormat;
+
 use crate::preview::app::question::Question;
 use crate::preview::app::scene_actions::MeshSpot;
 use crate::workspace::FileKind;

@@ -2,9 +2,9 @@
 
 use crate::files::{reason, replace_file};
 use crate::instrument::view::{InstrumentView, NamedModel, ViewSettings};
-use crate::picture::{Bitmap, Format, bitmap_file_bytes};
-use crate::plot::{Chart, ChartTheme, ChartHeading, painted, svg};
-use crate::preview::app::chart_format::ChartFormat;
+use crate::picture::Bitmap;
+use crate::plot::{Chart, ChartFormat, ChartHeading, ChartTheme, painted};
+
 use egui::ColorImage;
 use std::io::Write;
 use std::path::Path;
@@ -70,17 +70,12 @@ const SAVED_SCALE: u32 = 2;
 /// unchanged.
 pub(super) fn save(request: &SheetRequest, path: &Path) -> Result<(), String> {
     let name = path.display();
-    let format = ChartFormat::of(path).ok_or_else(|| {
-        let suffixes: Vec<String> = ChartFormat::ALL.iter().map(|format| format!(".{}", format.suffix())).collect();
-        format!("`{name}` names no format of charts; their suffixes are {}", suffixes.join(", "))
-    })?;
+    let format = ChartFormat::of(path)
+        .ok_or_else(|| format!("`{name}` names no format of charts; their suffixes are {}", ChartFormat::suffixes()))?;
     let unwritten = |error: std::io::Error| format!("cannot write the chart `{name}`: {}", reason(&error));
     let chart = request.view.chart(&request.models, &request.settings);
-    let figure = |scale: u32| chart.figure(SAVED_SIZE.map(|side| scale * side), ChartTheme::Light);
-    let bytes = match format {
-        ChartFormat::Csv => chart.table().csv().into_bytes(),
-        ChartFormat::Svg => svg(&figure(1)).into_bytes(),
-        ChartFormat::Png => bitmap_file_bytes(&painted(&figure(SAVED_SCALE))?, Format::Png).map_err(unwritten)?,
-    };
+    // A picture has more pixels than a drawing has units, so that it is sharp in a document.
+    let scale = if format == ChartFormat::Png { SAVED_SCALE } else { 1 };
+    let bytes = format.bytes(&chart, SAVED_SIZE.map(|side| scale * side), ChartTheme::Light)?;
     replace_file(path, |file| file.write_all(&bytes)).map_err(unwritten)
 }
