@@ -62,7 +62,7 @@ pub enum FigureMark {
         /// The line along it.
         stroke: Option<Stroke>,
     },
-    /// A line of text. Behind [`SUBSCRIPT`], one character is small and low.
+    /// A line of text. It may have [subscripts](subscript).
     Text {
         /// Where it is: a point of its baseline.
         at: [f64; 2],

@@ -3,7 +3,7 @@
 //! A [`Chart`] is what is shown, as numbers with names. It becomes a [`Figure`], which is a list of paths, texts and
 //! images with places, and a [`NumberTable`], which is the same numbers as text. A figure is written as SVG
 //! ([`svg`]) or painted ([`painted`]), so both look the same. The fonts are built in. Nothing here knows what the
-//! numbers mean: [`instrument`](instrument) does.
+//! numbers mean: [`instrument`](crate::instrument) does.
 
 mod axis;
 mod cartesian;
