@@ -77,6 +77,7 @@ pub mod instrument;
 
 pub mod sensitivity;
 
+#[cfg(feature = "fit")]
 pub mod fit;
 
 pub mod workspace;
