@@ -6,6 +6,7 @@ mod report;
 
 use crate::cli::engine::{self, on_threads};
 use crate::cli::input::load;
+use crate::cli::model::owned;
 use crate::cli::options::{InputOptions, PassOptions, read, whole};
 use crate::cli::output::{check_distinct, check_file};
 use crate::cli::progress::Progress;
@@ -14,6 +15,7 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use illuminator::backends::DEFAULT;
 use illuminator::engine::Task;
+use illuminator::files::Readable;
 use illuminator::fit::directions::LARGEST_ANGLE;
 use illuminator::fit::metric::{METRICS, Metric};
 use illuminator::fit::request::{self, FittedOwners, FreeName, FreeNameError};
@@ -27,8 +29,9 @@ use illuminator::measured::{MeasuredMaterial, Measurement};
 use illuminator::picture::{Format, Frame, read_picture};
 use illuminator::workspace::project::Project;
 use illuminator::workspace::session::Session;
-use illuminator::workspace::{OwnerId, Values};
+use illuminator::workspace::{FileKind, Location, OwnerId, Values};
 use report::FitReport;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -48,7 +51,7 @@ pub(super) struct Options {
     /// Parameters that may move, as in kd,h or ball.kd=0..0.5 [default: the smooth ones of the body]
     #[arg(long, value_name = "NAMES", value_parser = read::<FreeName>, value_delimiter = ',')]
     free: Vec<FreeName>,
-    /// The body whose values are fitted [default: the first one]
+    /// The body whose values are fitted [default: the first one; of a formula alone, a ball]
     #[arg(long, value_name = "NAME")]
     body: Option<String>,
     /// The light whose values count [default: the first one]
@@ -104,11 +107,15 @@ pub(super) struct FitOutcome {
 
 /// Fits.
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
+    if let Some(path) = options.output.as_deref().filter(|path| path.extension().is_none_or(|suffix| suffix != "toml")) {
+        return Err(Failure::command_line(format!("`{}` is no name of a session: it ends in .toml", path.display())));
+    }
     for path in options.output.iter().chain(&options.chart) {
         check_file(path)?;
     }
     let chart = options.chart.as_deref().map(charts::ChartFile::new).transpose()?;
-    let mut project = load(&options.input, &options.passes)?;
+    check_target(&options.to)?;
+    let mut project = load(&input(options), &options.passes)?;
     project.files.push(options.to.clone());
     for path in options.output.iter().chain(&options.chart) {
         check_distinct(path, &project.files)?;
@@ -121,7 +128,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     if outcome.solution.cancelled {
         warn("the fit was cancelled; these are the best values so far");
     }
-    let described = described(&project, owners);
+    let described = described(&project, owners, &outcome);
     let report = FitReport::new(&described, &one_line(&options.to.to_string_lossy()), metric(options), &project, &outcome);
     if options.json {
         print_json(&report)?;
@@ -180,7 +187,9 @@ fn owners(options: &Options, project: &Project) -> Result<FittedOwners, Failure>
             Failure::CommandLine(Diagnostic::error(format!("there is no {noun} `{name}`")).help_if(near))
         })
     };
-    Ok(FittedOwners { body: of(Owner::Body, "body", &options.body)?, light: of(Owner::Light, "light", &options.light)? })
+    let plain = || formula_alone(options).map(|_| PLAIN_BODY.to_owned());
+    let body = options.body.clone().or_else(plain);
+    Ok(FittedOwners { body: of(Owner::Body, "body", &body)?, light: of(Owner::Light, "light", &options.light)? })
 }
 
 /// Reads what is fitted to. The picture of the project gets the size of a picture that is to be reached.
@@ -198,7 +207,15 @@ fn target(options: &Options, project: &mut Project) -> Result<FitTarget, Failure
             let samples = samples_of_material(&material, options.directions, f64::from(options.within));
             FitTarget::Material(material, samples)
         }
-        Measurement::Samples(list) => FitTarget::Samples(request::listed_samples(&list)),
+        Measurement::Samples(list) => {
+            let steepest = list.samples.iter().map(|sample| sample.light.z.min(sample.view.z)).fold(1.0, f64::min);
+            if list.samples.len() > 1 && steepest > 1.6_f64.to_radians().cos() {
+                warn(
+                    "all polar angles are below 1.6 degrees; if they are radians, a header must name them theta_i_rad and so on",
+                );
+            }
+            FitTarget::Samples(request::listed_samples(&list))
+        }
     })
 }
 
@@ -273,9 +290,52 @@ fn fit(
 }
 
 /// What is fitted, in words.
-fn described(project: &Project, owners: FittedOwners) -> String {
+fn described(project: &Project, owners: FittedOwners, outcome: &FitOutcome) -> String {
+    if outcome.pictures.is_some() {
+        return one_line(&format!("{} on {}", project.formula_location, project.scene_location));
+    }
     let all = project.values.table().owners();
     let names = [owners.body, owners.light].into_iter().flatten().filter_map(|owner| all.name(owner));
     let names: Vec<&str> = names.collect();
     one_line(&format!("{} with {}", project.formula_location, names.join(" under ")))
+}
+
+/// The scene for a formula alone, and the body of it that is fitted.
+const PLAIN_SCENE: &str = "preset:studio";
+const PLAIN_BODY: &str = "ball";
+
+/// The formula, if it alone is fitted to measurements. It has its defaults then, as in `measure`.
+fn formula_alone(options: &Options) -> Option<&OsStr> {
+    let input = &options.input;
+    let is_alone = input.session.is_none() && input.scene.is_none() && Format::of(&options.to).is_none();
+    input.formula.as_deref().filter(|_| is_alone)
+}
+
+/// What is opened.
+fn input(options: &Options) -> InputOptions {
+    let mut input = options.input.clone();
+    if let Some(formula) = formula_alone(options) {
+        input.scene = Some(PLAIN_SCENE.into());
+        if let Ok(source) = Location::new(formula).read(FileKind::Formula, Readable::Regular) {
+            input.settings = input.settings.into_iter().map(|given| owned(given, &source)).collect();
+        }
+    }
+    input
+}
+
+/// Tells apart what `--to` cannot be by its name.
+fn check_target(path: &Path) -> Result<(), Failure> {
+    let suffix = path.extension().map(|suffix| suffix.to_string_lossy().to_lowercase());
+    let (what, help) = match suffix.as_deref() {
+        Some("jpg" | "jpeg" | "hdr" | "tif" | "tiff" | "webp" | "gif") => {
+            ("a picture of another kind", "pictures to fit to are .exr, .png and .bmp")
+        }
+        Some("formula" | "scene" | "toml" | "brdf" | "obj" | "ply" | "gltf" | "glb") => (
+            "no measurement and no picture",
+            "`--to` takes a measured material (.binary, .bsdf), a list of samples (.csv), or a picture (.exr, .png, .bmp)",
+        ),
+        Some(_) | None => return Ok(()),
+    };
+    let error = Diagnostic::error(format!("`{}` is {what}", path.display()));
+    Err(Failure::CommandLine(error.help(help)))
 }

@@ -284,7 +284,7 @@ fn given_model(name: &OsStr, preferred: FileKind) -> Result<GivenModel, Failure>
 }
 
 /// A value for a formula alone. One without an owner that the scene does not have is for the body or the light.
-fn owned(mut given: NamedAssignment, source: &Source) -> NamedAssignment {
+pub(super) fn owned(mut given: NamedAssignment, source: &Source) -> NamedAssignment {
     let Ok((formula, _)) = Formula::parse(source) else { return given };
     let owner = formula.parameter_named(&given.parameter).map(|id| formula.parameter(id).owner);
     if given.target == AssignmentTarget::Scene && matches!(owner, Some(Owner::Body | Owner::Light)) {

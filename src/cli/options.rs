@@ -18,7 +18,7 @@ use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 /// What the picture shows.
-#[derive(Args, Debug)]
+#[derive(Args, Debug, Clone)]
 pub(super) struct InputOptions {
     /// Session file [default: preset:default]
     pub(super) session: Option<OsString>,
@@ -57,7 +57,7 @@ pub(super) struct InputOptions {
 }
 
 /// What the program may use of the machine.
-#[derive(Args, Debug)]
+#[derive(Args, Debug, Clone)]
 pub(super) struct MachineOptions {
     /// Number of threads, 1 to 1024 [default: one for each core]
     #[arg(long, value_name = "N", value_parser = whole(1_u16..=1024), allow_negative_numbers = true)]

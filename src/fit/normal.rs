@@ -9,12 +9,14 @@ pub struct NormalEquations {
     products: DMatrix<f64>,
     /// The sum of the weights of the data.
     weight: f64,
+    /// How many residuals there are.
+    count: usize,
 }
 
 impl NormalEquations {
     /// No data, for this many unknowns.
     pub fn new(unknowns: usize) -> Self {
-        Self { products: DMatrix::zeros(unknowns + 1, unknowns + 1), weight: 0.0 }
+        Self { products: DMatrix::zeros(unknowns + 1, unknowns + 1), weight: 0.0, count: 0 }
     }
 
     /// How many unknowns there are.
@@ -33,9 +35,10 @@ impl NormalEquations {
         }
     }
 
-    /// Adds to the sum of weights, by which the mean is taken.
-    pub fn add_weight(&mut self, weight: f64) {
+    /// Counts this many data of a weight together, by which means are taken.
+    pub fn count(&mut self, data: usize, weight: f64) {
         self.weight += weight;
+        self.count += data;
     }
 
     /// Adds further data for the same unknowns.
@@ -43,6 +46,7 @@ impl NormalEquations {
     pub fn join(mut self, other: &Self) -> Self {
         self.products += &other.products;
         self.weight += other.weight;
+        self.count += other.count;
         self
     }
 
@@ -57,6 +61,13 @@ impl NormalEquations {
         if self.weight > 0.0 { (self.square() / self.weight).sqrt() } else { 0.0 }
     }
 
+    /// The variance of a residual of weight 1, if the residuals are noise. `None` if there are no more data than
+    /// unknowns.
+    pub fn variance(&self) -> Option<f64> {
+        let rest = self.count.checked_sub(self.unknowns()).filter(|rest| *rest > 0)?;
+        Some(self.square() / rest as f64)
+    }
+
     /// The same data for other unknowns, on which these depend. `slopes` has a row for each of these, and a column for
     /// each of the others.
     #[must_use]
@@ -67,7 +78,7 @@ impl NormalEquations {
         change[(from, to)] = 1.0;
         let mut whole = self.products.clone();
         whole.fill_lower_triangle_with_upper_triangle();
-        Self { products: change.transpose() * whole * change, weight: self.weight }
+        Self { products: change.transpose() * whole * change, weight: self.weight, count: self.count }
     }
 
     /// JᵀJ.
@@ -124,7 +135,7 @@ mod tests {
         let mut equations = NormalEquations::new(2);
         for (weight, row) in weights.iter().zip(&rows) {
             equations.add(*weight, row);
-            equations.add_weight(*weight);
+            equations.count(1, *weight);
         }
         let scaled = |index: usize| weights[index].sqrt() * DVector::from_row_slice(&rows[index]).transpose();
         let data = DMatrix::from_rows(&(0..5).map(scaled).collect::<Vec<_>>());

@@ -59,7 +59,7 @@ impl PictureMisfit {
                 if !wanted.is_finite() {
                     continue;
                 }
-                equations.add_weight(1.0);
+                equations.count(1, 1.0);
                 let defined = value.is_finite();
                 let beyond = self.target.end.is_some_and(|end| *value > end);
                 let shown = match self.target.end {

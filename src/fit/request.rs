@@ -41,7 +41,7 @@ pub enum FreeNameError {
     Form,
     /// There is no such parameter.
     #[error("the formula has no parameter `{0}`")]
-    Parameter(String, Option<String>),
+    Parameter(String, String),
     /// There is no such body or light.
     #[error("the scene has no body or light `{0}`")]
     Owner(String, Option<String>),
@@ -57,9 +57,8 @@ impl FreeNameError {
     /// The likely fix.
     pub fn hint(&self) -> Option<String> {
         match self {
-            FreeNameError::Parameter(_, near) | FreeNameError::Owner(_, near) => {
-                near.as_ref().map(|near| format!("did you mean `{near}`?"))
-            }
+            FreeNameError::Parameter(_, hint) => Some(hint.clone()),
+            FreeNameError::Owner(_, near) => near.as_ref().map(|near| format!("did you mean `{near}`?")),
             FreeNameError::Form | FreeNameError::Kind(..) | FreeNameError::Nobody(..) => None,
         }
     }
@@ -124,8 +123,12 @@ pub fn named(
     owners: FittedOwners,
 ) -> Result<FreeParameter, FreeNameError> {
     let Some(id) = table.parameter_named(&name.parameter) else {
-        let near = nearest(&name.parameter, formula.parameters.iter().map(|parameter| parameter.name.as_str()));
-        return Err(FreeNameError::Parameter(name.parameter.clone(), near.map(str::to_owned)));
+        let names = || formula.parameters.iter().map(|parameter| parameter.name.as_str());
+        let hint = match nearest(&name.parameter, names()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("its parameters are {}", names().collect::<Vec<_>>().join(", ")),
+        };
+        return Err(FreeNameError::Parameter(name.parameter.clone(), hint));
     };
     let kind = formula.parameter(id).owner;
     let owner = match &name.owner {
@@ -298,10 +301,8 @@ pub fn fitted(values: &Values, unknowns: &Unknowns, solution: &Solution) -> Valu
         });
         assignments[index].value[usize::from(number.component)] = *value as f32;
     }
-    // Moved one after the other, so that what invariants tie to them follows.
-    for assignment in assignments {
-        result.move_to(assignment.owner, assignment.parameter, assignment.value);
-    }
+    // Together, so that none has to give way to an old value of another one.
+    result.assign(&assignments);
     result
 }
 

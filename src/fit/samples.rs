@@ -125,7 +125,7 @@ impl Misfit for SampleMisfit {
                     row[unknowns] = value - wanted;
                     equations.add(*weight, &row);
                 }
-                equations.add_weight(3.0 * weight);
+                equations.count(3, 3.0 * weight);
             }
             equations
         };

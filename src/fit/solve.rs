@@ -54,6 +54,9 @@ pub struct Solution {
     pub deviations: Vec<Option<f64>>,
     /// Groups of free numbers that the data determine only together, or, alone in a group, not at all.
     pub undetermined: Vec<Vec<FitNumber>>,
+    /// Those of [`undetermined`](Self::undetermined) that have an effect in steps, such as thresholds. Their derivative
+    /// is 0, so they did not move.
+    pub stepwise: Vec<FitNumber>,
     /// The outcome of each start, in their order.
     pub starts: Vec<StartOutcome>,
     /// Whether it was cancelled. The values are the best so far.
@@ -99,18 +102,21 @@ pub fn solve(
         let finished = context.descend(unknowns.variables_exactly(&values), context.starts, FINE);
         values = finished.values;
     }
-    let after = misfit.evaluate(&values);
+    values = unknowns.settled(&values);
+    let mut after = misfit.evaluate(&values);
     if before.root_mean_square() < after.root_mean_square() || !after.is_finite() {
         values = start;
+        after = before.clone();
     }
-    let after = misfit.evaluate(&values);
     let (deviations, undetermined) = certainty(unknowns, &after);
+    let stepwise = stepwise(misfit, unknowns, &values, &undetermined);
     progress(FitProgress { share: 1.0, residual: after.root_mean_square() });
     Solution {
         residuals: [before.root_mean_square(), after.root_mean_square()],
         values,
         deviations,
         undetermined,
+        stepwise,
         starts,
         cancelled: cancelled.load(Ordering::Relaxed),
     }
@@ -232,12 +238,31 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for VariableProblem<'_> {
     }
 }
 
+/// The numbers without a derivative that change the misfit if they move far.
+fn stepwise(misfit: &dyn Misfit, unknowns: &Unknowns, values: &[f64], undetermined: &[Vec<FitNumber>]) -> Vec<FitNumber> {
+    let numbers = unknowns.numbers();
+    let here = misfit.evaluate(values).square();
+    let has_effect = |number: &FitNumber| {
+        let Some(index) = numbers.iter().position(|known| known == number) else { return false };
+        let ends = unknowns.ends(index, values[index]);
+        let places = [ends[0], 0.5 * (ends[0] + ends[1]), ends[1]];
+        places.into_iter().any(|place| {
+            let mut moved = values.to_vec();
+            moved[index] = place;
+            let there = misfit.evaluate(&unknowns.settled(&moved)).square();
+            (there - here).abs() > 1e-9 * here.max(there)
+        })
+    };
+    let alone = undetermined.iter().filter_map(|group| if let [one] = group.as_slice() { Some(*one) } else { None });
+    alone.filter(has_effect).collect()
+}
+
 /// The standard deviations of the free values, and the groups that the data do not determine.
 fn certainty(unknowns: &Unknowns, equations: &NormalEquations) -> (Vec<Option<f64>>, Vec<Vec<FitNumber>>) {
     /// Directions of less curvature, with all numbers scaled alike, are flat.
     const FLAT: f64 = 1e-9;
     /// The smallest part of a number in a flat direction that counts.
-    const PART: f64 = 0.1;
+    const PART: f64 = 1e-3;
     let free = unknowns.free();
     let own = equations.in_terms_of(&unknowns.slopes());
     let curvature = own.curvature();
@@ -253,22 +278,25 @@ fn certainty(unknowns: &Unknowns, equations: &NormalEquations) -> (Vec<Option<f6
         curvature[(row, column)] / (scale[row] * scale[column])
     });
     let mut deviations = vec![None; free];
-    if !others.is_empty() && scaled.iter().all(|value| value.is_finite()) {
-        let eigen = SymmetricEigen::new(scaled);
-        let variance = own.root_mean_square().powi(2);
-        let mut flat = vec![false; others.len()];
-        for column in (0..others.len()).filter(|column| eigen.eigenvalues[*column] < FLAT) {
-            let members: Vec<usize> = (0..others.len()).filter(|row| eigen.eigenvectors[(*row, column)].abs() > PART).collect();
-            members.iter().for_each(|row| flat[*row] = true);
-            groups.push(members.into_iter().map(|row| numbers[others[row]]).collect());
-        }
-        for (row, index) in others.iter().enumerate().filter(|(row, _)| !flat[*row]) {
-            let inverse = (0..others.len())
-                .filter(|column| eigen.eigenvalues[*column] >= FLAT)
-                .map(|column| eigen.eigenvectors[(row, column)].powi(2) / eigen.eigenvalues[column])
-                .sum::<f64>();
-            deviations[*index] = Some((variance * inverse).sqrt() / scale[*index]);
-        }
+    if others.is_empty() || scaled.iter().any(|value| !value.is_finite()) {
+        return (deviations, groups);
+    }
+    let eigen = SymmetricEigen::new(scaled);
+    let mut flat = vec![false; others.len()];
+    for column in (0..others.len()).filter(|column| eigen.eigenvalues[*column] < FLAT) {
+        let members: Vec<usize> = (0..others.len()).filter(|row| eigen.eigenvectors[(*row, column)].abs() > PART).collect();
+        members.iter().for_each(|row| flat[*row] = true);
+        groups.push(members.into_iter().map(|row| numbers[others[row]]).collect());
+    }
+    let Some(variance) = own.variance() else { return (deviations, groups) };
+    for (row, index) in others.iter().enumerate().filter(|(row, _)| !flat[*row]) {
+        let inverse = (0..others.len())
+            .filter(|column| eigen.eigenvalues[*column] >= FLAT)
+            .map(|column| eigen.eigenvectors[(row, column)].powi(2) / eigen.eigenvalues[column])
+            .sum::<f64>();
+        let deviation = (variance * inverse).sqrt() / scale[*index];
+        // Where it may be anywhere in its range, nothing is known of it.
+        deviations[*index] = Some(deviation).filter(|deviation| *deviation < unknowns.width(*index));
     }
     (deviations, groups)
 }

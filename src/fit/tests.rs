@@ -191,6 +191,58 @@ fn what_data_do_not_determine_is_told() {
     assert!((product - 0.21).abs() < 1e-4, "{product}");
 }
 
+/// Fits these parameters of a formula to the samples of another one with the same parameters.
+fn fit_to(formula: &str, data: &str, names: &[&str]) -> (Formula, Solution) {
+    let parse = |text: &str| Formula::parse(&Source::new("test", text)).unwrap().0;
+    let (formula, data) = (parse(formula), parse(data));
+    let model = FormulaModel::new(Arc::new(ModelProgram::new(&data)), default_numbers(&data), Place::default());
+    let samples = samples_of(&model, 2000, LARGEST_ANGLE);
+    let free: Vec<FreeParameter> = names
+        .iter()
+        .map(|name| FreeParameter { parameter: formula.parameter_named(name).unwrap(), owner: 0, range: None })
+        .collect();
+    let start = default_numbers(&formula);
+    let unknowns = Unknowns::new(&formula, &free, &|id, _| start[id.0 as usize]).unwrap();
+    let place = Place::default();
+    let misfit = SampleMisfit::new(&formula, start.clone(), &place, unknowns.numbers(), &samples, METRICS[0]);
+    let solution = solve(&misfit, &unknowns, FitOptions { starts: 4 }, &|_| (), &AtomicBool::new(false));
+    (formula, solution)
+}
+
+const GLOSS: &str = "body_specific; kd: scalar, constraint 0..1, default 0.3; ks: scalar, constraint 0..1, default 0.2;
+    h: scalar, constraint 1..200, default 20; c: scalar, constraint 0..1, default 0.5;";
+
+#[test]
+fn invariants_hold_at_the_end() {
+    let limited = format!("{GLOSS} invariants; kd + ks <= 1; formula; = IL*max(0, N.L)*<kd + 3*ks*(max(0, N.H))^h>;");
+    // It would take kd = 0.8 and ks = 0.9.
+    let data = format!("{GLOSS} formula; = IL*max(0, N.L)*<0.8 + 2.7*(max(0, N.H))^30>;");
+    let (_, solution) = fit_to(&limited, &data, &["kd", "ks", "h"]);
+    let sum = solution.values[0] + solution.values[1];
+    assert!((sum - 1.0).abs() < 1e-9, "{sum}: {solution:?}");
+}
+
+#[test]
+fn products_that_only_count_together_are_all_open() {
+    let text = format!("{GLOSS} formula; = IL*max(0, N.L)*<c*(kd + ks*(max(0, N.H))^h)>;");
+    let data = format!("{GLOSS} formula; = IL*max(0, N.L)*<0.1 + 0.2*(max(0, N.H))^40>;");
+    let (_, solution) = fit_to(&text, &data, &["kd", "ks", "h", "c"]);
+    let open: Vec<bool> = solution.deviations.iter().map(Option::is_none).collect();
+    assert_eq!(open, [true, true, false, true], "{solution:?}");
+    assert_eq!(solution.undetermined.len(), 1);
+    assert_eq!(solution.undetermined[0].len(), 3);
+}
+
+#[test]
+fn thresholds_are_told_apart_from_what_has_no_effect() {
+    let text = format!("{GLOSS} formula; = IL*max(0, N.L)*<if(N.H > c, kd, ks)> + 0*<h>;");
+    let data = format!("{GLOSS} formula; = IL*max(0, N.L)*<if(N.H > 0.9, 0.3, 0.2)>;");
+    let (formula, solution) = fit_to(&text, &data, &["kd", "h", "c"]);
+    let name = |number: &FitNumber| formula.parameter(number.parameter).name.clone();
+    assert_eq!(solution.stepwise.iter().map(name).collect::<Vec<_>>(), ["c"]);
+    assert_eq!(solution.undetermined.len(), 2);
+}
+
 #[test]
 fn a_cancelled_fit_keeps_the_values_at_hand() {
     let formula = built_in("phong");

@@ -49,8 +49,14 @@ pub enum UnknownsError {
     #[error("`{0}` follows from others by an invariant ({1}); free those")]
     Locked(String, String),
     /// Bounds that contradict each other, or the range of the parameter.
-    #[error("the bounds {1}..{2} of `{0}` do not lie within its range")]
+    #[error("the bounds {1} of `{0}` do not lie within its range, {2}")]
     Bounds(String, String, String),
+    /// Bounds in the wrong order.
+    #[error("the bounds {1} of `{0}` are in the wrong order")]
+    Order(String, String),
+    /// A parameter is named twice.
+    #[error("`{0}` is named twice")]
+    Twice(String),
 }
 
 /// How a number follows from a variable without bounds.
@@ -116,8 +122,14 @@ impl Unknowns {
             }
             let own = parameter.range.unwrap_or([f32::MIN, f32::MAX]);
             let [low, high] = range.unwrap_or(own);
-            if !(low <= high && low >= own[0] && high <= own[1]) {
-                return Err(UnknownsError::Bounds(name(), low.to_string(), high.to_string()));
+            if low > high {
+                return Err(UnknownsError::Order(name(), format!("{low}..{high}")));
+            }
+            if low < own[0] || high > own[1] {
+                return Err(UnknownsError::Bounds(name(), format!("{low}..{high}"), format!("{}..{}", own[0], own[1])));
+            }
+            if numbers.iter().any(|known| known.number.parameter == *id && known.number.owner == *owner) {
+                return Err(UnknownsError::Twice(name()));
             }
             let bounded = parameter.range.is_some() || range.is_some();
             for component in 0..parameter.ty.slots() as u8 {
@@ -129,7 +141,7 @@ impl Unknowns {
                     true => VariableScale::Bounded,
                 };
                 let number = FitNumber { parameter: *id, owner: *owner, component };
-                if low < high && !numbers.iter().any(|known| known.number == number) {
+                if low < high {
                     numbers.push(FreeNumber { number, low, high, scale });
                 }
             }
@@ -254,6 +266,55 @@ impl Unknowns {
             sum.terms.iter().for_each(|(at, factor)| change[(free + row, *at)] += factor);
         }
         change
+    }
+
+    /// Moves values into the region where every invariant holds, if rounding or the search left it a little.
+    pub fn settled(&self, values: &[f64]) -> Vec<f64> {
+        /// Several limits may need several rounds.
+        const ROUNDS: usize = 64;
+        let mut free: Vec<f64> = self.free.iter().zip(values).map(|(free, value)| value.clamp(free.low, free.high)).collect();
+        for _ in 0..ROUNDS {
+            let mut inside = true;
+            for limit in &self.limits {
+                let value = limit.constant + limit.terms.iter().map(|(at, factor)| factor * free[*at]).sum::<f64>();
+                let outside = value - value.clamp(0.0, 1.0);
+                if outside.abs() <= 1e-12 {
+                    continue;
+                }
+                inside = false;
+                let square: f64 = limit.terms.iter().map(|(_, factor)| factor * factor).sum();
+                for (at, factor) in &limit.terms {
+                    free[*at] = (free[*at] - outside * factor / square).clamp(self.free[*at].low, self.free[*at].high);
+                }
+            }
+            if inside {
+                break;
+            }
+        }
+        self.with_followers(free)
+    }
+
+    /// At which of its bounds a free number is: the lower or the upper one.
+    pub fn bound_at(&self, free: usize, value: f64) -> Option<usize> {
+        /// How near to a bound, as a part of the range, is at it.
+        const NEAR: f64 = 1e-4;
+        let number = &self.free[free];
+        let near = NEAR * (number.high - number.low);
+        match number.scale {
+            VariableScale::Free { .. } => None,
+            VariableScale::Bounded | VariableScale::Logarithmic if value - number.low <= near => Some(0),
+            VariableScale::Bounded | VariableScale::Logarithmic if number.high - value <= near => Some(1),
+            VariableScale::Bounded | VariableScale::Logarithmic => None,
+        }
+    }
+
+    /// The ends of the range of a free number; without bounds, its value and a unit more.
+    pub fn ends(&self, free: usize, value: f64) -> [f64; 2] {
+        let number = &self.free[free];
+        match number.scale {
+            VariableScale::Free { unit } => [value - unit, value + unit],
+            VariableScale::Bounded | VariableScale::Logarithmic => [number.low, number.high],
+        }
     }
 
     /// The width of the range of a free number; without bounds, its usual size.
@@ -420,6 +481,16 @@ mod tests {
     }
 
     #[test]
+    fn values_are_moved_to_where_invariants_hold() {
+        let unknowns = unknowns(&["a", "b", "h"]).unwrap();
+        let settled = unknowns.settled(&[0.8, 0.4, 10.0]);
+        // c would be -0.2: a and b give way alike.
+        assert!(settled.iter().zip([0.7, 0.3, 10.0, 0.0]).all(|(found, wanted)| (found - wanted).abs() < 1e-9), "{settled:?}");
+        assert_eq!(unknowns.settled(&[0.3, 0.4, 10.0])[..3], [0.3, 0.4, 10.0]);
+        assert_eq!((unknowns.bound_at(0, 1.0), unknowns.bound_at(0, 0.5), unknowns.bound_at(2, 1.0)), (Some(1), None, Some(0)));
+    }
+
+    #[test]
     fn what_cannot_be_fitted_is_refused() {
         assert_eq!(unknowns(&[]), Err(UnknownsError::Nothing));
         assert!(matches!(unknowns(&["w"]), Err(UnknownsError::NotSmooth(..))));
@@ -429,5 +500,10 @@ mod tests {
         let a = FreeParameter { parameter: formula.parameter_named("a").unwrap(), owner: 0, range: Some([0.5, 2.0]) };
         let error = Unknowns::new(&formula, &[a], &|_, _| [0.0; 3]);
         assert!(matches!(error, Err(UnknownsError::Bounds(..))), "{error:?}");
+        let error = Unknowns::new(&formula, &[FreeParameter { range: Some([0.5, 0.2]), ..a }], &|_, _| [0.0; 3]);
+        assert!(matches!(error, Err(UnknownsError::Order(..))), "{error:?}");
+        let whole = FreeParameter { range: None, ..a };
+        let error = Unknowns::new(&formula, &[whole, whole], &|_, _| [0.0; 3]);
+        assert_eq!(error, Err(UnknownsError::Twice("a".to_owned())));
     }
 }

@@ -122,7 +122,11 @@ fn sample(line: usize, words: &[ListWord], layout: &ColumnOrder) -> Result<Refle
     if words.len() != COLUMNS.len() {
         let (column, count) = (words.last().map_or(1, |(column, _)| *column), words.len());
         let flaw = Flaw::at(line, column, format!("{count} numbers, and {} were expected", COLUMNS.len()));
-        return Err(flaw.hint(format!("a line is {}", COLUMNS.map(|column| column.name).join(","))));
+        let comma = words.iter().any(|(_, word)| word.contains(','));
+        return Err(match comma {
+            true => flaw.hint("write decimal points, as in 0.5, because commas separate numbers"),
+            false => flaw.hint(format!("a line is {}", COLUMNS.map(|column| column.name).join(","))),
+        });
     }
     let mut numbers = [0.0; COLUMNS.len()];
     for ((column, word), (index, factor)) in words.iter().zip(layout) {
@@ -164,7 +168,9 @@ impl ReflectanceSamples {
     pub(super) fn parse(text: &str) -> Result<Self, Flaw> {
         let mut layout: Option<ColumnOrder> = None;
         let mut samples = Vec::new();
-        for (index, line) in text.trim_start_matches('\u{FEFF}').lines().enumerate() {
+        // Lines of old programs end in a lone CR.
+        let text = text.trim_start_matches('\u{FEFF}').replace("\r\n", "\n").replace('\r', "\n");
+        for (index, line) in text.lines().enumerate() {
             let words = words(line);
             let Some((_, first)) = words.first() else { continue };
             let layout = match layout {

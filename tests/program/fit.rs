@@ -105,16 +105,20 @@ fn mistakes_are_told_with_the_likely_fix() {
     let cases = [
         ("--to missing.binary", "missing.binary", 1),
         ("--to bad.csv", "line 2", 1),
-        ("--to one.csv --free hh", "no parameter `hh`", 2),
+        ("--to one.csv --free hh", "its parameters are Cd, kr", 2),
         ("--to one.csv --free bal.kd", "did you mean `ball`?", 2),
         ("--to one.csv --free kd", "follows from others", 2),
         ("--to one.csv --free kind", "cannot be fitted", 2),
-        ("--to one.csv --free h=0..10", "do not lie within its range", 2),
+        ("--to one.csv --free h=0..10", "do not lie within its range, 1..500", 2),
         ("--to one.csv --free key.h", "it is a body parameter", 2),
         ("--to one.csv --free h=5", "kd=0..0.5", 2),
         ("--to one.csv --body flor", "did you mean `floor`?", 2),
         ("--to one.csv --chart found.gif", "neither .png nor .svg", 2),
-        ("--to small.toml", "small.toml", 1),
+        ("--to small.toml", "takes a measured material", 2),
+        ("--to photograph.jpg", "pictures to fit to are .exr", 2),
+        ("--to one.csv -o found.png", "ends in .toml", 2),
+        ("--to one.csv --free h,h", "`h` is named twice", 2),
+        ("--to one.csv --free ks=0.5..0.2", "wrong order", 2),
         ("--to one.csv -o small.toml", "overwrite", 2),
     ];
     for (arguments, wanted, status) in cases {

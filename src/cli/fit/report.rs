@@ -19,6 +19,8 @@ pub(super) struct FitReport {
     residual: ResidualReport,
     /// Names that the data determine only together, or, alone in a group, not at all.
     undetermined: Vec<Vec<String>>,
+    /// Those of them that have an effect in steps, so that they could not be moved smoothly.
+    stepwise: Vec<String>,
     starts: Vec<StartReport>,
     /// At how many samples the formula is no finite number; it counts as 0 there.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -41,6 +43,9 @@ struct FittedReport {
     deviation: Option<f64>,
     /// Whether it follows from others.
     follows: bool,
+    /// The bound of its range at which it stands.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    at_bound: Option<&'static str>,
 }
 
 /// Root mean squares of residuals, in what the metric compares.
@@ -78,6 +83,10 @@ impl FitReport {
             after: solution.values[index],
             deviation: solution.deviations.get(index).copied().flatten(),
             follows: index >= unknowns.free(),
+            at_bound: (index < unknowns.free())
+                .then(|| unknowns.bound_at(index, solution.values[index]))
+                .flatten()
+                .map(|bound| ["lower", "upper"][bound]),
         };
         let changed = |(owner, id, value): (illuminator::workspace::OwnerId, _, &[f32])| {
             let is_fitted = numbers.iter().any(|number| number.parameter == id && number.owner == owner.index());
@@ -103,6 +112,7 @@ impl FitReport {
             parameters: numbers.iter().enumerate().map(parameter).collect(),
             residual: ResidualReport { before: solution.residuals[0], after: solution.residuals[1] },
             undetermined: solution.undetermined.iter().map(group).collect(),
+            stepwise: solution.stepwise.iter().map(|number| name_of(project, number)).collect(),
             starts: solution.starts.iter().map(start_report).collect(),
             not_finite: outcome.undefined.map(|[count, _]| count).filter(|count| *count > 0),
             samples: outcome.undefined.map(|[_, samples]| samples),
@@ -131,16 +141,17 @@ pub(super) fn table(report: &FitReport) -> String {
     let mut text = format!("{}, fitted to {}\n\n", report.model, report.to);
     let width = report.parameters.iter().map(|parameter| parameter.name.chars().count()).max().unwrap_or(0).max(10);
     // Writing to a string does not fail.
-    let _ = writeln!(text, "{:<width$}  {:>10}  {:>10}  {:>10}", "parameter", "before", "after", "deviation");
+    let _ = writeln!(text, "{:<width$}  {:>10}  {:>10}  {:>11}", "parameter", "before", "after", "deviation");
     for parameter in &report.parameters {
         let certainty = match parameter.deviation {
+            _ if parameter.at_bound.is_some() => format!("{} bound", parameter.at_bound.unwrap_or_default()),
             Some(deviation) if deviation > 0.0 => format!("± {deviation:.1e}"),
             Some(_) => "exact".to_owned(),
             None if parameter.follows => "follows".to_owned(),
             None => "open".to_owned(),
         };
         let (before, after) = (short(parameter.before), short(parameter.after));
-        let _ = writeln!(text, "{:<width$}  {before:>10}  {after:>10}  {certainty:>10}", parameter.name);
+        let _ = writeln!(text, "{:<width$}  {before:>10}  {after:>10}  {certainty:>11}", parameter.name);
     }
     let ResidualReport { before, after } = report.residual;
     let what = if report.metric == "log" { "log(1 + …)" } else { "linear" };
@@ -156,9 +167,21 @@ pub(super) fn table(report: &FitReport) -> String {
     );
     for group in &report.undetermined {
         let _ = match group.as_slice() {
+            [one] if report.stepwise.contains(one) => {
+                writeln!(
+                    text,
+                    "{one} was not moved: it has an effect in steps only, such as a threshold; try values of it by --set"
+                )
+            }
             [one] => writeln!(text, "the data do not determine {one}: it has no effect on what is compared"),
             all => writeln!(text, "the data determine {} only together; hold one of them", all.join(", ")),
         };
+    }
+    if after > 0.9 * before && before > 0.0 && !report.cancelled {
+        let _ = writeln!(
+            text,
+            "the residual hardly fell: do the data belong to this model, and are transfer, exposure and scene the same?"
+        );
     }
     if let (Some(count), Some(samples)) = (report.not_finite, report.samples) {
         let _ = writeln!(text, "at {count} of {samples} samples the formula is no finite number; it counts as 0 there");
