@@ -19,6 +19,7 @@ pub mod power;
 mod range;
 mod rewrite;
 pub mod separation;
+mod substitute;
 pub mod tangent;
 pub mod variants;
 pub mod written;

@@ -123,9 +123,10 @@ impl LobeChart {
             let pixels = [area.width, area.height].map(|side| side.ceil().max(1.0) as u32);
             let mut picture = SolidPicture::new(pixels, turn, &points, theme.paper());
             let rings: Vec<f64> = axis.ticks.iter().filter(|tick| !tick.label.is_empty()).map(|tick| place(tick.value)).collect();
-            picture.plane(rim, |at, pixel| plane_colour([at.x, at.y], [pixel, rim], &rings, theme));
             lobe.draw(&mut picture, corners, theme.curve(lobe.colour));
             draw_light(&mut picture, lobe, corners, theme);
+            // Behind the rest, so the most of it is hidden and need not be drawn.
+            picture.plane(rim, |at, pixel| plane_colour([at.x, at.y], [pixel, rim], &rings, theme));
             let (at, size) = ([area.left, area.top], [area.width, area.height]);
             sheet.figure.marks.push(FigureMark::Image { at, size, bitmap: picture.bitmap(), smooth: true });
             for tick in axis.ticks.iter().filter(|tick| !tick.label.is_empty()) {
@@ -169,8 +170,10 @@ impl LobeChart {
 fn plane_colour([x, y]: [f64; 2], [pixel, rim]: [f64; 2], rings: &[f64], theme: ChartTheme) -> [u8; 3] {
     let radius = x.hypot(y);
     let on = |distance: f64| distance < 2.0 * pixel;
-    let turned = y.atan2(x).to_degrees() / 30.0;
-    let from_ray = (turned - turned.round()).abs() * 30.0_f64.to_radians() * radius;
+    const HALF: f64 = 0.866_025_403_784_438_6;
+    // The directions at 0, 30 and so on up to 150 degrees.
+    let rays = [[1.0, 0.0], [HALF, 0.5], [0.5, HALF], [0.0, 1.0], [-0.5, HALF], [-HALF, 0.5]];
+    let from_ray = rays.iter().map(|[along, up]| (x * up - y * along).abs()).fold(f64::INFINITY, f64::min);
     if on(rim - radius) {
         theme.frame()
     } else if rings.iter().any(|ring| on((radius - ring).abs())) {

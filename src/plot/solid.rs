@@ -3,6 +3,7 @@
 use crate::picture::Bitmap;
 use crate::plot::colours::mixed;
 use glam::{DMat3, DVec2, DVec3};
+use rayon::prelude::*;
 
 /// Pixels of the buffer for each pixel of the picture, along each side.
 const FINENESS: u32 = 3;
@@ -66,15 +67,6 @@ impl SolidPicture {
         [seen.x / f64::from(self.size[0]), seen.y / f64::from(self.size[1])]
     }
 
-    /// Draws a pixel if nothing is before it.
-    fn draw(&mut self, [column, row]: [u32; 2], depth: f64, colour: impl FnOnce() -> [u8; 3]) {
-        let index = row as usize * self.size[0] as usize + column as usize;
-        if depth as f32 > self.depths[index] {
-            self.depths[index] = depth as f32;
-            self.colours[index] = colour();
-        }
-    }
-
     /// The light on a surface: from the left above the viewer, and a little from everywhere.
     fn shade(&self, normal: DVec3, colour: [u8; 3]) -> [u8; 3] {
         let mut normal = self.turn * normal;
@@ -115,36 +107,42 @@ impl SolidPicture {
                     continue;
                 }
                 let depth = of_a * a.z + of_b * b.z + of_c * c.z;
-                let normal = of_a * corners[0].normal + of_b * corners[1].normal + of_c * corners[2].normal;
-                let ruling = of_a * r + of_b * s + of_c * t;
-                let shade = self.shade(normal.try_normalize().unwrap_or(DVec3::Z), colour);
-                self.draw([column, row], depth, || ruled(shade, ruling, speed));
+                // Much of a lobe is behind other parts of it, and need not be shaded.
+                let index = row as usize * self.size[0] as usize + column as usize;
+                if depth as f32 > self.depths[index] {
+                    let normal = of_a * corners[0].normal + of_b * corners[1].normal + of_c * corners[2].normal;
+                    let ruling = of_a * r + of_b * s + of_c * t;
+                    let shade = self.shade(normal.try_normalize().unwrap_or(DVec3::Z), colour);
+                    self.depths[index] = depth as f32;
+                    self.colours[index] = ruled(shade, ruling, speed);
+                }
             }
         }
     }
 
     /// Draws the plane z = 0 within a circle of a radius. `colour` is given the place on it, and how far apart places
     /// of neighbouring pixels are.
-    pub(super) fn plane(&mut self, radius: f64, colour: impl Fn(DVec2, f64) -> [u8; 3]) {
+    pub(super) fn plane(&mut self, radius: f64, colour: impl Fn(DVec2, f64) -> [u8; 3] + Sync) {
         let back = self.turn.transpose();
         let towards = back * DVec3::Z;
         if towards.z.abs() < 1e-3 {
             return;
         }
         let [width, height] = self.size.map(|side| 0.5 * f64::from(side));
-        let pixel = 1.0 / self.scale;
-        for row in 0..self.size[1] {
-            for column in 0..self.size[0] {
-                let x = (f64::from(column) + 0.5 - width) / self.scale + self.middle.x;
-                let y = (height - f64::from(row) - 0.5) / self.scale + self.middle.y;
+        let (scale, middle, columns) = (self.scale, self.middle, (self.size[0] as usize).max(1));
+        let rows = self.depths.par_chunks_mut(columns).zip(self.colours.par_chunks_mut(columns)).enumerate();
+        rows.for_each(|(row, (depths, colours))| {
+            let y = (height - row as f64 - 0.5) / scale + middle.y;
+            for (column, (nearest, target)) in depths.iter_mut().zip(colours).enumerate() {
+                let x = (column as f64 + 0.5 - width) / scale + middle.x;
                 let from = back * DVec3::new(x, y, 0.0);
                 let depth = -from.z / towards.z;
                 let place = (from + depth * towards).truncate();
-                if place.length_squared() <= radius * radius {
-                    self.draw([column, row], depth, || colour(place, pixel));
+                if depth as f32 > *nearest && place.length_squared() <= radius * radius {
+                    (*nearest, *target) = (depth as f32, colour(place, 1.0 / scale));
                 }
             }
-        }
+        });
     }
 
     /// Draws a round rod from one point to another, which may become thinner.

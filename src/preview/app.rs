@@ -423,6 +423,7 @@ impl App {
             JobResult::ThumbnailMade(key, image) => self.thumbnails.keep(self.context.get(), *key, image),
             JobResult::ChartNotSaved(error) => self.tell_not_saved(&error, Action::ShowSaveChartDialog),
             JobResult::MeasuredRead(path, read) => self.take_measured(&path, read),
+            JobResult::MeasuredPictureMade(made) => self.take_measured_picture(made),
             JobResult::PictureNotSaved(error) => self.tell_not_saved(&error, Action::ShowSavePictureDialog),
             JobResult::ImageRead(image) => self.set_image(*image),
             JobResult::DraftsWritten(Ok(())) => {

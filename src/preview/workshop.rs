@@ -8,6 +8,7 @@ mod dependence;
 mod export;
 mod first_look;
 mod history;
+mod measured_picture;
 mod moving;
 mod opening;
 mod reflection;
@@ -36,6 +37,7 @@ pub use dependence::Dependence;
 use export::ExportContent;
 pub use export::PictureExport;
 use history::{CurrentState, HistoryEntry, PastValues, ValueHistory, changed, changed_in_view};
+pub use measured_picture::MeasuredTwin;
 use moving::MovingScene;
 pub use opening::{OpenedSession, OpeningErrors};
 pub use snapshots::Snapshot;
@@ -71,6 +73,8 @@ pub struct Workshop {
     /// The stamp of the values that were requested last.
     requested: u64,
     snapshots: [Option<Snapshot>; 2],
+    /// The picture with a measured material.
+    measured: Option<Picture>,
     /// The scene that is moved by hand, as it was before.
     moving: Option<MovingScene>,
     departed: DepartedValues,
@@ -103,6 +107,7 @@ impl Workshop {
             shown: Picture::default(),
             requested: 0,
             snapshots: [None, None],
+            measured: None,
             moving: None,
             departed: DepartedValues::default(),
             stand_ins: StandIns::default(),
@@ -120,6 +125,7 @@ impl Workshop {
         self.picture = project.picture;
         self.history = ValueHistory::default();
         self.snapshots = [None, None];
+        self.measured = None;
         self.departed = DepartedValues::default();
         self.stand_ins = StandIns::default();
         self.request_picture();
@@ -132,6 +138,7 @@ impl Workshop {
         self.picture = if view(&picture).is_ok() { picture } else { self.picture };
         self.history = ValueHistory::default();
         self.snapshots = [None, None];
+        self.measured = None;
         self.stand_ins.forget_values();
         self.request_picture();
     }

@@ -80,6 +80,8 @@ pub enum Action {
     ShowMeasuredDialog,
     /// Show the measured material in a file beside the formula in the instruments.
     AddMeasured(PathBuf),
+    /// Compare the picture with one that has this measured material of the instruments on the selected body.
+    CompareMeasured(PathBuf),
     /// Show how much each pixel depends on a parameter of an owner; none to go back to the picture.
     ShowSensitivity(Option<(OwnerId, ParameterId)>),
     /// Copy the picture in view to the clipboard.

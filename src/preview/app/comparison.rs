@@ -16,6 +16,8 @@ pub(super) enum Compared {
     Now,
     /// A snapshot.
     Snapshot(usize),
+    /// The picture with a measured material on one body.
+    Measured,
 }
 
 impl Compared {
@@ -24,6 +26,7 @@ impl Compared {
         match self {
             Compared::Now => "now",
             Compared::Snapshot(slot) => SNAPSHOTS.get(slot).copied().unwrap_or_default(),
+            Compared::Measured => "measured",
         }
     }
 
@@ -32,6 +35,7 @@ impl Compared {
         match self {
             Compared::Now => Some(workshop.shown()),
             Compared::Snapshot(slot) => workshop.snapshot(slot).map(|snapshot| &snapshot.picture),
+            Compared::Measured => workshop.measured_picture(),
         }
     }
 }
@@ -40,10 +44,11 @@ impl Compared {
 pub(super) type Pair = [Compared; 2];
 
 /// The pairs that can be compared.
-pub(super) const PAIRS: [Pair; 3] = [
+pub(super) const PAIRS: [Pair; 4] = [
     [Compared::Snapshot(0), Compared::Now],
     [Compared::Snapshot(1), Compared::Now],
     [Compared::Snapshot(0), Compared::Snapshot(1)],
+    [Compared::Measured, Compared::Now],
 ];
 
 /// What the pane shows.
@@ -81,6 +86,9 @@ impl PaneMode {
 /// Why two pictures cannot be compared, if so.
 pub(super) fn obstacle(pair: Pair, workshop: &Workshop) -> Option<String> {
     let missing = pair.into_iter().find(|side| side.picture(workshop).is_none());
+    if missing == Some(Compared::Measured) {
+        return Some("Load a measured material in the instruments, and compare it in the picture".to_owned());
+    }
     if let Some(missing) = missing {
         return Some(format!("There is no {} yet: keep a picture as {0}", missing.name()));
     }

@@ -94,6 +94,7 @@ impl App {
             Action::StopSaving => self.stop_saving(),
             Action::ShowSavePictureDialog => self.show_save_dialog(None, "Save picture"),
             Action::CopyPicture => self.copy_picture(),
+            Action::CompareMeasured(path) => self.compare_measured(&path),
             Action::ShowSensitivity(of) => self.show_sensitivity(of),
             Action::ShowSaveChartDialog => self.show_save_chart_dialog(),
             Action::SaveChart(path) => self.save_chart(path),

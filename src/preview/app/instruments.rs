@@ -283,9 +283,9 @@ impl InstrumentPanel {
             }
         });
         let now = self.subject.as_ref().map(|subject| subject.formula.clone()).unwrap_or_default();
-        if self.overlays.ui(ui, &format!("{now}, now"), theme) {
-            self.overlays_version += 1;
-        }
+        let (is_changed, compared) = self.overlays.ui(ui, &format!("{now}, now"), theme);
+        self.overlays_version += u64::from(is_changed);
+        actions.extend(compared.map(Action::CompareMeasured));
     }
 
     /// The models in their order: the formula first.

@@ -72,11 +72,12 @@ impl Overlays {
     }
 
     /// Draws the list. `now` is the name of the formula with its present values, which has the first colour. Returns
-    /// whether the list has changed.
-    pub(super) fn ui(&mut self, ui: &mut Ui, now: &str, theme: ChartTheme) -> bool {
+    /// whether the list has changed, and the file that shall be compared in the picture.
+    pub(super) fn ui(&mut self, ui: &mut Ui, now: &str, theme: ChartTheme) -> (bool, Option<PathBuf>) {
         if self.models.is_empty() {
-            return false;
+            return (false, None);
         }
+        let mut compared = None;
         let mut removed = None;
         entry_ui(ui, 0, theme, now, "The formula with its present values");
         for (index, overlay) in self.models.iter().enumerate() {
@@ -84,10 +85,16 @@ impl Overlays {
                 if ui.small_button("×").on_hover_text(format!("Remove {}", overlay.name)).clicked() {
                     removed = Some(index);
                 }
+                if let OverlayContent::Measured(path, _) = &overlay.content {
+                    let about = "Compare in the picture: the left half has this material on the body, the right half the formula";
+                    if ui.small_button("◧").on_hover_text(about).clicked() {
+                        compared = Some(path.clone());
+                    }
+                }
                 entry_ui(ui, index + 1, theme, &overlay.name, &overlay.about);
             });
         }
-        removed.map(|index| self.models.remove(index)).is_some()
+        (removed.map(|index| self.models.remove(index)).is_some(), compared)
     }
 
     /// The file of the measured material that was added last.

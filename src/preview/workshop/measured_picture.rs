@@ -1,0 +1,61 @@
+//! The picture with a measured material in place of the formula, on one body.
+
+use super::Workshop;
+use crate::engine::{Engine, Subject, Task};
+use crate::picture::{ViewTransform, quantise};
+use crate::preview::renderer::Picture;
+use crate::scene::BodyId;
+use crate::workspace::OwnerId;
+use std::sync::Arc;
+
+/// What a thread needs to make it.
+pub struct MeasuredTwin {
+    subject: Subject,
+    engine: Engine,
+    numbers: Vec<f32>,
+    passes: u32,
+    transform: ViewTransform,
+}
+
+impl Workshop {
+    /// The picture of the values with the measured material of this number on a body, and its file. It has as many
+    /// passes as the picture in view. `None` if the body is gone, or the formula has too many parameters.
+    pub fn measured_twin(&mut self, body: BodyId, (path, number): (&str, f32)) -> Option<MeasuredTwin> {
+        let view = self.view().ok()?;
+        let (formula, switch) = self.formula.with_measured(path, number)?;
+        let (mut values, _) = self.values.carry_over(&formula, self.scene());
+        values.move_to(OwnerId::Body(body), switch, [1.0; 3]);
+        let subject = Subject { formula: Arc::new(formula), world: Arc::clone(&self.world), view };
+        let passes = (self.shown.passes.shown as u32).max(1);
+        let engine = self.engine();
+        Some(MeasuredTwin { subject, engine, numbers: values.numbers().to_vec(), passes, transform: self.picture.view })
+    }
+
+    /// The picture with a measured material, if one was made.
+    pub fn measured_picture(&self) -> Option<&Picture> {
+        self.measured.as_ref()
+    }
+
+    /// Keeps a picture with a measured material.
+    pub fn keep_measured_picture(&mut self, picture: Picture) {
+        let version = self.measured.as_ref().map_or(1 << 60, |before| before.version) + 1;
+        self.measured = Some(Picture { version, ..picture });
+    }
+}
+
+impl MeasuredTwin {
+    /// Makes the picture.
+    ///
+    /// # Errors
+    /// It cannot be made: a message for the user.
+    pub fn picture(&self) -> Result<Picture, String> {
+        let frame = self.engine.picture(&self.subject, &self.numbers, self.passes, &Task::UNWATCHED);
+        let mut frame = frame.map_err(|error| error.to_string())?;
+        frame.clean();
+        let bytes = quantise(&frame.linear, self.transform);
+        let pixels =
+            bytes.as_chunks::<3>().0.iter().map(|[red, green, blue]| u32::from_be_bytes([0, *red, *green, *blue])).collect();
+        let (width, height) = (frame.width, frame.height);
+        Ok(Picture { width, height, full_size: [width, height], pixels, linear: Some(Arc::new(frame)), ..Picture::default() })
+    }
+}
