@@ -27,10 +27,8 @@ impl Formula {
         let named = own.materials.first()?;
         result.materials.push(MaterialFile { path: path.to_owned(), number, ..named.clone() });
         let first = u32::try_from(result.terms.len()).ok()?;
-        let moved = |term: &TermId| match own.term(*term) {
-            Term::Parameter(parameter) if *parameter == body_colour => self.result,
-            _ => TermId(first + term.0),
-        };
+        let stands_in = |term: &TermId| *own.term(*term) == Term::Parameter(body_colour);
+        let moved = |term: &TermId| if stands_in(term) { self.result } else { TermId(first + term.0) };
         for term in &own.terms {
             let all = |operands: &[TermId]| operands.iter().map(moved).collect();
             result.terms.push(match term {
@@ -63,10 +61,8 @@ mod tests {
         assert_eq!((twin.parameter(switch).name.as_str(), twin.materials[0].path.as_str()), (SWITCH, "gold.binary"));
         assert_eq!(twin.parameter(switch).slot as usize + 1, twin.slots(Owner::Body));
         let values = |formula: &Formula, own: f32| {
-            let variable = |variable| match variable {
-                Variable::ToLight | Variable::ToViewer | Variable::Normal => [0.0, 0.0, 1.0],
-                _ => [0.0; 3],
-            };
+            let is_upright = |variable| matches!(variable, Variable::ToLight | Variable::ToViewer | Variable::Normal);
+            let variable = |variable| if is_upright(variable) { [0.0, 0.0, 1.0] } else { [0.0; 3] };
             let parameter = |id: ParameterId| if id == switch { [own; 3] } else { formula.parameter(id).default };
             term_values(formula, &variable, &parameter)[formula.result.0 as usize]
         };

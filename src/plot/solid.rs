@@ -28,7 +28,23 @@ pub(super) struct SolidPicture {
     scale: f64,
     depths: Vec<f32>,
     colours: Vec<[u8; 3]>,
+    /// Triangles that are not drawn yet.
+    waiting: Vec<SeenTriangle>,
 }
+
+/// A triangle in coordinates of the buffer: column, row, depth.
+struct SeenTriangle {
+    at: [DVec3; 3],
+    corners: [SolidCorner; 3],
+    colour: [u8; 3],
+    /// Twice its area, with a sign.
+    area: f64,
+    /// How fast the ruling numbers change from pixel to pixel.
+    speed: DVec2,
+}
+
+/// The rows of the buffer that are drawn together.
+const BAND: usize = 32;
 
 /// The turn to the coordinates of a viewer who stands at an azimuth, in degrees from +x to +y, and an elevation above
 /// the plane z = 0.
@@ -37,6 +53,51 @@ pub(super) fn turned(azimuth: f64, elevation: f64) -> DMat3 {
     let towards = DVec3::new(elevation.cos() * azimuth.cos(), elevation.cos() * azimuth.sin(), elevation.sin());
     let right = DVec3::new(-azimuth.sin(), azimuth.cos(), 0.0);
     DMat3::from_cols(right, towards.cross(right), towards).transpose()
+}
+
+/// The whole numbers within the range of three coordinates, cut at both ends.
+fn span([one, two, three]: [f64; 3], [low, high]: [usize; 2]) -> std::ops::Range<usize> {
+    let [least, most] = [low as f64, high as f64];
+    let start = one.min(two).min(three).floor().clamp(least, most);
+    start as usize..one.max(two).max(three).ceil().clamp(least, most) as usize
+}
+
+impl SeenTriangle {
+    /// Draws the part that is in some rows of the buffer, of which the first one is given.
+    fn draw(&self, turn: DMat3, [first, columns]: [usize; 2], depths: &mut [f32], colours: &mut [[u8; 3]]) {
+        let [a, b, c] = self.at;
+        for row in span([a.y, b.y, c.y], [first, first + depths.len() / columns]) {
+            for column in span([a.x, b.x, c.x], [0, columns]) {
+                let at = DVec2::new(column as f64 + 0.5, row as f64 + 0.5);
+                let weight = |from: DVec3, to: DVec3| (to - from).truncate().perp_dot(at - from.truncate()) / self.area;
+                let (of_a, of_b, of_c) = (weight(b, c), weight(c, a), weight(a, b));
+                if of_a < 0.0 || of_b < 0.0 || of_c < 0.0 {
+                    continue;
+                }
+                let depth = (of_a * a.z + of_b * b.z + of_c * c.z) as f32;
+                // Much of a lobe is behind other parts of it, and need not be shaded.
+                let index = (row - first) * columns + column;
+                if depth > depths[index] {
+                    let [one, two, three] = &self.corners;
+                    let normal = of_a * one.normal + of_b * two.normal + of_c * three.normal;
+                    let ruling = of_a * one.ruling + of_b * two.ruling + of_c * three.ruling;
+                    let shade = shaded(turn * normal.try_normalize().unwrap_or(DVec3::Z), self.colour);
+                    (depths[index], colours[index]) = (depth, ruled(shade, ruling, self.speed));
+                }
+            }
+        }
+    }
+}
+
+/// The light on a surface, whose normal is in coordinates of the viewer: from the left above the viewer, and a little
+/// from everywhere.
+fn shaded(normal: DVec3, colour: [u8; 3]) -> [u8; 3] {
+    let normal = if normal.z < 0.0 { -normal } else { normal };
+    let light = DVec3::new(-0.45, 0.65, 0.62).normalize();
+    let lit = normal.dot(light).max(0.0);
+    let dark = mixed(colour, [0; 3], 0.55 * (1.0 - lit));
+    let shine = (2.0 * normal.dot(light) * normal.z - light.z).max(0.0).powi(24);
+    mixed(dark, [255; 3], 0.35 * shine + 0.1 * lit)
 }
 
 impl SolidPicture {
@@ -51,7 +112,15 @@ impl SolidPicture {
         let room = if room.is_finite() { room * 1.04 } else { DVec2::ONE };
         let scale = (f64::from(size[0]) / room.x).min(f64::from(size[1]) / room.y);
         let middle = if low.is_finite() { 0.5 * (low + high) } else { DVec2::ZERO };
-        Self { size, turn, middle, scale, depths: vec![f32::NEG_INFINITY; count], colours: vec![paper; count] }
+        Self {
+            size,
+            turn,
+            middle,
+            scale,
+            depths: vec![f32::NEG_INFINITY; count],
+            colours: vec![paper; count],
+            waiting: Vec::new(),
+        }
     }
 
     /// A point of the world as column, row and depth in the buffer.
@@ -67,62 +136,40 @@ impl SolidPicture {
         [seen.x / f64::from(self.size[0]), seen.y / f64::from(self.size[1])]
     }
 
-    /// The light on a surface: from the left above the viewer, and a little from everywhere.
-    fn shade(&self, normal: DVec3, colour: [u8; 3]) -> [u8; 3] {
-        let mut normal = self.turn * normal;
-        if normal.z < 0.0 {
-            normal = -normal;
-        }
-        let light = DVec3::new(-0.45, 0.65, 0.62).normalize();
-        let lit = normal.dot(light).max(0.0);
-        let dark = mixed(colour, [0; 3], 0.55 * (1.0 - lit));
-        let shine = (2.0 * normal.dot(light) * normal.z - light.z).max(0.0).powi(24);
-        mixed(dark, [255; 3], 0.35 * shine + 0.1 * lit)
-    }
-
     /// Draws a triangle. Where a ruling number is whole, its line is darker.
     pub(super) fn triangle(&mut self, corners: [SolidCorner; 3], colour: [u8; 3]) {
-        let [a, b, c] = corners.map(|corner| self.seen(corner.at));
+        let at = corners.map(|corner| self.seen(corner.at));
+        let [a, b, c] = at;
         let area = (b - a).truncate().perp_dot((c - a).truncate());
         if area == 0.0 || !area.is_finite() {
             return;
         }
-        let [width, height] = self.size.map(f64::from);
-        let range = |one: f64, two: f64, three: f64, end: f64| {
-            let low = one.min(two).min(three).floor().clamp(0.0, end);
-            (low as u32)..(one.max(two).max(three).ceil().clamp(0.0, end) as u32)
-        };
         // How fast the ruling numbers change from pixel to pixel, so that all lines are as wide.
         let (r, s, t) = (corners[0].ruling, corners[1].ruling, corners[2].ruling);
         let (along, down) = ((b - a).truncate(), (c - a).truncate());
         let slope_x = ((s - r) * down.y - (t - r) * along.y) / area;
         let slope_y = ((t - r) * along.x - (s - r) * down.x) / area;
-        let speed = (slope_x.abs().powf(2.0) + slope_y.abs().powf(2.0)).map(f64::sqrt);
-        for row in range(a.y, b.y, c.y, height) {
-            for column in range(a.x, b.x, c.x, width) {
-                let at = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
-                let weight = |from: DVec3, to: DVec3| (to - from).truncate().perp_dot(at - from.truncate()) / area;
-                let (of_a, of_b, of_c) = (weight(b, c), weight(c, a), weight(a, b));
-                if of_a < 0.0 || of_b < 0.0 || of_c < 0.0 {
-                    continue;
-                }
-                let depth = of_a * a.z + of_b * b.z + of_c * c.z;
-                // Much of a lobe is behind other parts of it, and need not be shaded.
-                let index = row as usize * self.size[0] as usize + column as usize;
-                if depth as f32 > self.depths[index] {
-                    let normal = of_a * corners[0].normal + of_b * corners[1].normal + of_c * corners[2].normal;
-                    let ruling = of_a * r + of_b * s + of_c * t;
-                    let shade = self.shade(normal.try_normalize().unwrap_or(DVec3::Z), colour);
-                    self.depths[index] = depth as f32;
-                    self.colours[index] = ruled(shade, ruling, speed);
-                }
+        let speed = (slope_x * slope_x + slope_y * slope_y).map(f64::sqrt);
+        self.waiting.push(SeenTriangle { at, corners, colour, area, speed });
+    }
+
+    /// Draws the triangles that wait, in their order, some rows on each thread.
+    fn draw_waiting(&mut self) {
+        let triangles = std::mem::take(&mut self.waiting);
+        let columns = (self.size[0] as usize).max(1);
+        let turn = self.turn;
+        let bands = self.depths.par_chunks_mut(BAND * columns).zip(self.colours.par_chunks_mut(BAND * columns));
+        bands.enumerate().for_each(|(band, (depths, colours))| {
+            for triangle in &triangles {
+                triangle.draw(turn, [BAND * band, columns], depths, colours);
             }
-        }
+        });
     }
 
     /// Draws the plane z = 0 within a circle of a radius. `colour` is given the place on it, and how far apart places
     /// of neighbouring pixels are.
     pub(super) fn plane(&mut self, radius: f64, colour: impl Fn(DVec2, f64) -> [u8; 3] + Sync) {
+        self.draw_waiting();
         let back = self.turn.transpose();
         let towards = back * DVec3::Z;
         if towards.z.abs() < 1e-3 {
@@ -166,7 +213,8 @@ impl SolidPicture {
     }
 
     /// The picture.
-    pub(super) fn bitmap(&self) -> Bitmap {
+    pub(super) fn bitmap(&mut self) -> Bitmap {
+        self.draw_waiting();
         let size = self.size.map(|side| side / FINENESS);
         let mut bytes = Vec::with_capacity(3 * size[0] as usize * size[1] as usize);
         for row in 0..size[1] {

@@ -21,6 +21,7 @@ mod hand;
 mod histogram;
 mod image_rows;
 mod inspector;
+mod instrument_actions;
 mod instruments;
 mod jobs;
 mod key_groups;
@@ -57,6 +58,7 @@ mod value_rows;
 mod view_controls;
 
 pub use action::Action;
+pub use instrument_actions::InstrumentAction;
 pub use scene_actions::{HandleTool, MeshSpot, SceneAction};
 
 use crate::backends::BackendChoice;
@@ -70,7 +72,7 @@ use crate::preview::workshop::{OpenedSession, OpeningErrors, Workshop};
 use crate::preview::{FrameTimes, PictureView, WindowApp};
 use crate::user_data::desktop_theme::desktop_is_dark;
 use crate::user_data::folders::Folders;
-use crate::user_data::settings::{PanelSide, WindowSettings};
+use crate::user_data::settings::{PanelSide, PanelSizes, WindowSettings};
 use crate::workspace::AssetStore;
 use crate::workspace::FileKind;
 use crate::workspace::Location;
@@ -319,14 +321,7 @@ impl App {
             remember(ui.ctx(), named("parameters"), PanelSide::Parameters, &mut sizes);
         }
         self.inspector.set_passes(self.workshop.renderer().passes());
-        self.follow_sensitivity(ui, waits || typing);
-        let of = self.parameter_of_interest();
-        self.inspector.ui(ui, &self.workshop, of, &mut sizes);
-        if let Some(place) = self.inspector.take_place() {
-            self.parameters.select(OwnerId::Body(place.body));
-            self.instruments.look_at(place);
-        }
-        self.instruments_ui(ui, &mut sizes, &mut actions);
+        self.below_picture_ui(ui, waits || typing, &mut sizes, &mut actions);
         self.user_state.settings.window.panels = sizes;
         CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
             Panel::bottom("view controls").show(ui, |ui| view_controls::bar(self, ui, &mut actions));
@@ -359,6 +354,18 @@ impl App {
             self.perform(action);
         }
         self.autosave(ui);
+    }
+
+    /// Draws the inspector and the instruments, below the picture. Keys do nothing while something else `waits` for them.
+    fn below_picture_ui(&mut self, ui: &mut Ui, waits: bool, sizes: &mut PanelSizes, actions: &mut Vec<Action>) {
+        self.follow_sensitivity(ui, waits);
+        let of = self.parameter_of_interest();
+        self.inspector.ui(ui, &self.workshop, of, sizes);
+        if let Some(place) = self.inspector.take_place() {
+            self.parameters.select(OwnerId::Body(place.body));
+            self.instruments.look_at(place);
+        }
+        self.instruments_ui(ui, sizes, actions);
     }
 
     /// Takes what the renderer and the background jobs have told since the last frame.
@@ -421,7 +428,7 @@ impl App {
         match result {
             JobResult::Done(text) => self.confirm(text),
             JobResult::ThumbnailMade(key, image) => self.thumbnails.keep(self.context.get(), *key, image),
-            JobResult::ChartNotSaved(error) => self.tell_not_saved(&error, Action::ShowSaveChartDialog),
+            JobResult::ChartNotSaved(error) => self.tell_not_saved(&error, Action::Instruments(InstrumentAction::ShowSaveDialog)),
             JobResult::MeasuredRead(path, read) => self.take_measured(&path, read),
             JobResult::MeasuredPictureMade(made) => self.take_measured_picture(made),
             JobResult::PictureNotSaved(error) => self.tell_not_saved(&error, Action::ShowSavePictureDialog),

@@ -1,7 +1,7 @@
 //! The actions of the user interface, which menus, keys, buttons and dialogs cause.
 
 use crate::backends::BackendChoice;
-use crate::formula::ParameterId;
+use crate::preview::app::instrument_actions::InstrumentAction;
 use crate::preview::app::key_groups::{KeyGroup, Shortcut};
 use crate::preview::app::pane::Zoom;
 use crate::preview::app::scene_actions::{MeshSpot, SceneAction, scene_shortcuts};
@@ -72,18 +72,6 @@ pub enum Action {
     RestoreMaterial(Box<MaterialChange>),
     /// Show the dialog that saves the picture.
     ShowSavePictureDialog,
-    /// Show the dialog that saves the chart of the instruments.
-    ShowSaveChartDialog,
-    /// Save the chart of the instruments, in the format of the suffix.
-    SaveChart(PathBuf),
-    /// Show the dialog that chooses a measured material for the instruments.
-    ShowMeasuredDialog,
-    /// Show the measured material in a file beside the formula in the instruments.
-    AddMeasured(PathBuf),
-    /// Compare the picture with one that has this measured material of the instruments on the selected body.
-    CompareMeasured(PathBuf),
-    /// Show how much each pixel depends on a parameter of an owner; none to go back to the picture.
-    ShowSensitivity(Option<(OwnerId, ParameterId)>),
     /// Copy the picture in view to the clipboard.
     CopyPicture,
     /// Save the session to its file.
@@ -106,6 +94,8 @@ pub enum Action {
     ToggleOverlay(PictureOverlay),
     /// Zoom in by this many steps; out if it is negative.
     ZoomBy(i32),
+    /// Do something with the instruments.
+    Instruments(InstrumentAction),
     /// Do something with the scene.
     Scene(SceneAction),
     /// Evaluate with this backend.

@@ -5,10 +5,9 @@ use crate::measured;
 use crate::mesh::FORMATS;
 use crate::picture::Format;
 use crate::plot::ChartFormat;
-use crate::preview::app::Action;
-
 use crate::preview::app::question::Question;
 use crate::preview::app::scene_actions::MeshSpot;
+use crate::preview::app::{Action, InstrumentAction};
 use crate::workspace::FileKind;
 use crate::workspace::Location;
 use crate::workspace::OwnerId;
@@ -183,9 +182,16 @@ impl FileDialogs {
             Purpose::Open(kind) => actions.push(Action::Open(kind, Location::File(path))),
             Purpose::Image(owner, parameter) => actions.push(Action::SetImage(owner, parameter, path)),
             Purpose::Mesh => actions.push(Action::AddMesh(path, MeshSpot::MIDDLE)),
-            Purpose::Measured => actions.push(Action::AddMeasured(path)),
-            Purpose::SaveChart if path.extension().is_some() => actions.push(Action::SaveChart(path)),
-            Purpose::SaveChart => return replacing(path, ChartFormat::ALL[0].suffix(), Action::SaveChart, actions),
+            Purpose::Measured => actions.push(Action::Instruments(InstrumentAction::AddMeasured(path))),
+            Purpose::SaveChart if path.extension().is_some() => actions.push(Action::Instruments(InstrumentAction::Save(path))),
+            Purpose::SaveChart => {
+                return replacing(
+                    path,
+                    ChartFormat::ALL[0].suffix(),
+                    |path| Action::Instruments(InstrumentAction::Save(path)),
+                    actions,
+                );
+            }
             Purpose::Save(kind) if path.extension().is_some() => actions.push(Action::SaveTo(kind, path)),
             Purpose::Save(kind) => {
                 let suffix = kind.map_or(PICTURE.suffix(), FileKind::suffix);

@@ -94,12 +94,7 @@ impl App {
             Action::StopSaving => self.stop_saving(),
             Action::ShowSavePictureDialog => self.show_save_dialog(None, "Save picture"),
             Action::CopyPicture => self.copy_picture(),
-            Action::CompareMeasured(path) => self.compare_measured(&path),
-            Action::ShowSensitivity(of) => self.show_sensitivity(of),
-            Action::ShowSaveChartDialog => self.show_save_chart_dialog(),
-            Action::SaveChart(path) => self.save_chart(path),
-            Action::ShowMeasuredDialog => self.show_measured_dialog(),
-            Action::AddMeasured(path) => self.add_measured(path),
+            Action::Instruments(action) => self.perform_on_instruments(action),
             Action::SaveSession => match self.session.clone() {
                 // What could not be read of a session would be lost in its own file.
                 Some(Location::File(path)) if self.mistakes.session_errors.is_none() => {

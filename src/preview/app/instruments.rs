@@ -18,8 +18,8 @@ use crate::instrument::measurement::ModelMeasurement;
 use crate::instrument::model::Place;
 use crate::instrument::view::{LightUse, NamedModel, ViewSettings};
 use crate::plot::{Chart, ChartTheme};
-use crate::preview::app::Action;
 use crate::preview::app::panel_sizes::remember;
+use crate::preview::app::{Action, InstrumentAction};
 use crate::preview::latest::LatestWorker;
 use crate::preview::workshop::Workshop;
 use crate::scene::{BodyId, LightId};
@@ -276,16 +276,16 @@ impl InstrumentPanel {
             }
             let load = ui.add_enabled(has_room, Button::new("Load measured…"));
             if load.on_hover_text("Show a measured material beside it: MERL (.binary) or RGL (.bsdf)").clicked() {
-                actions.push(Action::ShowMeasuredDialog);
+                actions.push(Action::Instruments(InstrumentAction::ShowMeasuredDialog));
             }
             if ui.button("Save…").on_hover_text("Save the chart as PNG or SVG, or its numbers as CSV").clicked() {
-                actions.push(Action::ShowSaveChartDialog);
+                actions.push(Action::Instruments(InstrumentAction::ShowSaveDialog));
             }
         });
         let now = self.subject.as_ref().map(|subject| subject.formula.clone()).unwrap_or_default();
         let (is_changed, compared) = self.overlays.ui(ui, &format!("{now}, now"), theme);
         self.overlays_version += u64::from(is_changed);
-        actions.extend(compared.map(Action::CompareMeasured));
+        actions.extend(compared.map(|path| Action::Instruments(InstrumentAction::Compare(path))));
     }
 
     /// The models in their order: the formula first.

@@ -9,7 +9,7 @@ use crate::preview::app::pane::Zoom;
 use crate::preview::app::scene_menu;
 use crate::preview::app::tab::TextTab;
 use crate::preview::app::thumbnail_key::ThumbnailKey;
-use crate::preview::app::{Action, App, SceneAction, theme};
+use crate::preview::app::{Action, App, InstrumentAction, SceneAction, theme};
 use crate::preview::editor::{PossibleEdits, edit_menu_ui};
 use crate::user_data::settings::ThemeSetting;
 use crate::workspace::FileKind;
@@ -262,7 +262,13 @@ fn sensitivity_entry(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
     let Some(of) = app.parameter_of_interest() else { return };
     let (owner, id) = if is_seen { app.sensitivity.shown().unwrap_or(of) } else { of };
     let name = format!("Sensitivity to {}", one_line(&app.workshop.values().table().label(owner, id)));
-    check_entry(ui, is_seen, &name, Action::ShowSensitivity((!is_seen).then_some((owner, id))), actions);
+    check_entry(
+        ui,
+        is_seen,
+        &name,
+        Action::Instruments(InstrumentAction::ShowSensitivity((!is_seen).then_some((owner, id)))),
+        actions,
+    );
 }
 
 fn view(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {

@@ -3,12 +3,12 @@
 use crate::formula::ParameterId;
 use crate::lang::variables::{Owner, Predefined};
 use crate::picture::Transfer;
-use crate::preview::app::Action;
 use crate::preview::app::colours::{paint_swatch, shown_colour};
 use crate::preview::app::materials::MaterialRow;
 use crate::preview::app::panel_sizes::remember;
 use crate::preview::app::theme::section;
 use crate::preview::app::value_rows::{RowColumns, RowContext, ValueEdit};
+use crate::preview::app::{Action, InstrumentAction};
 use crate::preview::workshop::Workshop;
 use crate::user_data::settings::{PanelSide, PanelSizes};
 use crate::workspace::{OwnerId, Values};
@@ -153,7 +153,9 @@ impl ParameterPanel {
                     workshop.release();
                 }
                 ValueEdit::Copy => workshop.copy_to_all(owner, id),
-                ValueEdit::ShowSensitivity => self.actions.push(Action::ShowSensitivity(Some((owner, id)))),
+                ValueEdit::ShowSensitivity => {
+                    self.actions.push(Action::Instruments(InstrumentAction::ShowSensitivity(Some((owner, id)))))
+                }
                 ValueEdit::ChooseImage => {
                     let name = workshop.values().table().parameter(id).name.clone();
                     self.actions.push(Action::ShowImageDialog(owner, name));

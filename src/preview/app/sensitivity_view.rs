@@ -31,12 +31,15 @@ struct DependenceKey {
     stamp: u64,
 }
 
+/// What is asked for, and what evaluates it.
+type SensitivityQuestion = (DependenceKey, Dependence, Engine);
+
 /// The picture of sensitivity and its control.
 pub(super) struct SensitivityView {
     shown: Option<OwnedParameter>,
     /// The parameter that was moved last.
     moved: Option<OwnedParameter>,
-    worker: LatestWorker<(DependenceKey, Dependence, Engine), (DependenceKey, Result<FalseColours, String>)>,
+    worker: LatestWorker<SensitivityQuestion, (DependenceKey, Result<FalseColours, String>)>,
     asked: Option<DependenceKey>,
     legend: Option<(DependenceKey, Result<SensitivityLegend, String>)>,
     /// The number of pictures so far.
@@ -123,7 +126,7 @@ impl SensitivityView {
     /// The view. `wake` wakes the window.
     pub(super) fn new(wake: impl Fn() + Send + Sync + 'static) -> Self {
         let mut kept = None;
-        let reply = move |(key, asked, engine): (DependenceKey, Dependence, Engine)| {
+        let reply = move |(key, asked, engine): SensitivityQuestion| {
             (key, answer(&mut kept, &asked, &engine).map_err(|error| error.to_string()))
         };
         Self {

@@ -9,7 +9,7 @@ use crate::preview::app::file_dialogs::Suggestion;
 use crate::preview::app::instruments::sheet;
 use crate::preview::app::jobs::{JobResult, MeasuredPicture};
 use crate::preview::app::tab::TextTab;
-use crate::preview::app::{Action, App};
+use crate::preview::app::{Action, App, InstrumentAction};
 use crate::user_data::settings::PanelSizes;
 use crate::workspace::{Location, measured_files};
 use egui::Ui;
@@ -17,6 +17,18 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 impl App {
+    /// Performs an action on the instruments.
+    pub(in crate::preview::app) fn perform_on_instruments(&mut self, action: InstrumentAction) {
+        match action {
+            InstrumentAction::ShowSaveDialog => self.show_save_chart_dialog(),
+            InstrumentAction::Save(path) => self.save_chart(path),
+            InstrumentAction::ShowMeasuredDialog => self.show_measured_dialog(),
+            InstrumentAction::AddMeasured(path) => self.add_measured(path),
+            InstrumentAction::Compare(path) => self.compare_measured(&path),
+            InstrumentAction::ShowSensitivity(of) => self.show_sensitivity(of),
+        }
+    }
+
     /// The name of the formula, without a suffix.
     fn formula_name(&self) -> String {
         let name = match self.documents[TextTab::Formula].location() {

@@ -297,8 +297,8 @@ mod tests {
 
     #[test]
     fn numbers_are_short() {
-        let texts = [0.0, 1.0, 0.318_31, 12.5, 1234.56, 1e-7, 2e9].map(number_text);
-        assert_eq!(texts, ["0", "1", "0.3183", "12.5", "1235", "1.00e-7", "2.00e9"]);
+        let texts = [0.0, 1.0, 0.312_34, 12.5, 1234.56, 1e-7, 2e9].map(number_text);
+        assert_eq!(texts, ["0", "1", "0.3123", "12.5", "1235", "1.00e-7", "2.00e9"]);
     }
 
     #[test]

@@ -74,7 +74,7 @@ fn saved_numbers_are_those_of_the_closed_form() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = instruments(LAMBERT);
     for name in ["chart.csv", "chart.svg", "chart.png", "chart.gif"] {
-        harness.state_mut().perform(Action::SaveChart(folder.path().join(name)));
+        harness.state_mut().perform(Action::Instruments(InstrumentAction::Save(folder.path().join(name))));
         harness.state_mut().jobs.wait();
         harness.step();
     }
@@ -109,7 +109,7 @@ fn kept_models_stay_as_they_were() {
     settle_instruments(&mut harness);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("albedo.csv");
-    harness.state_mut().perform(Action::SaveChart(path.clone()));
+    harness.state_mut().perform(Action::Instruments(InstrumentAction::Save(path.clone())));
     harness.state_mut().jobs.wait();
     let text = std::fs::read_to_string(path).unwrap();
     for row in text.lines().skip(1) {
@@ -175,7 +175,7 @@ fn sensitivity_reaches_the_pixels_of_its_body_and_escape_ends_it() {
     let pixel = [32, 24];
     let body = pane::body_at(&app.workshop, pixel).expect("a body in the middle");
     let of = (OwnerId::Body(body), id);
-    app.perform(Action::ShowSensitivity(Some(of)));
+    app.perform(Action::Instruments(InstrumentAction::ShowSensitivity(Some(of))));
     settle_sensitivity(&mut harness);
     let app = harness.state_mut();
     let shown = app.pane.picture(&app.workshop).clone();
