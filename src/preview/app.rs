@@ -356,7 +356,7 @@ impl App {
         self.autosave(ui);
     }
 
-    /// Draws the inspector and the instruments, below the picture. Keys do nothing while something else `waits` for them.
+    /// Draws the inspector and the instruments, below the picture. Keys do nothing while something `waits` for them.
     fn below_picture_ui(&mut self, ui: &mut Ui, waits: bool, sizes: &mut PanelSizes, actions: &mut Vec<Action>) {
         self.follow_sensitivity(ui, waits);
         let of = self.parameter_of_interest();

@@ -288,6 +288,14 @@ impl Renderer {
         self.set(wanted, numbers)
     }
 
+    /// The hits of the first pass of the picture that was requested last, once they are traced in full.
+    pub fn first_hits(&self) -> Option<Arc<Hits>> {
+        let wanted = self.shared.wanted();
+        let view = wanted.request.as_ref()?.subject.view;
+        let traced = wanted.hits.as_ref().filter(|traced| traced.hits.view == view && traced.requested == wanted.requested);
+        traced.map(|traced| Arc::clone(&traced.hits))
+    }
+
     /// Shows other parameter numbers. `held` are the indices of those that a held slider moves. Returns their stamp.
     pub fn move_to(&self, numbers: &[f32], held: Option<Vec<usize>>) -> u64 {
         let mut wanted = self.shared.wanted();

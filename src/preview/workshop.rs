@@ -33,7 +33,7 @@ use crate::workspace::textures::parse_formula;
 use crate::workspace::{Assignment, OwnerId, ParameterTable, Session, Values};
 use crate::world::World;
 use departed::DepartedValues;
-pub use dependence::Dependence;
+pub use dependence::{MovingParameter, is_movable};
 use export::ExportContent;
 pub use export::PictureExport;
 use history::{CurrentState, HistoryEntry, PastValues, ValueHistory, changed, changed_in_view};

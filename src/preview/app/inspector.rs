@@ -124,7 +124,8 @@ impl InspectorPanel {
         }
     }
 
-    /// Draws the inspector below the picture, with the current values. `of` is a parameter that the user is interested in.
+    /// Draws the inspector below the picture, with the current values. `of` is the parameter that was moved
+    /// last.
     pub(super) fn ui(&mut self, ui: &mut Ui, workshop: &Workshop, of: Option<OwnedParameter>, sizes: &mut PanelSizes) {
         if !self.open {
             return;

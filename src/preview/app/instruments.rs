@@ -30,9 +30,9 @@ use egui::{
     Align, Button, CentralPanel, Color32, Frame, Id, Label, Layout, Margin, Panel, Rect, RichText, ScrollArea, Sense,
     TextureHandle, TextureOptions, Ui, vec2,
 };
-use model::{CompiledFormula, HeldFormula};
+use model::{CompiledModel, HeldFormula};
 use overlays::Overlays;
-use sheet::{Sheet, SheetRequest};
+use sheet::{DrawnChart, SheetRequest};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use verdict::VerdictWords;
@@ -80,15 +80,15 @@ pub(super) struct InstrumentPanel {
     light: Option<LightId>,
     /// A point of the picture, if one was chosen.
     place: Option<InstrumentPlace>,
-    compiled: Option<Arc<CompiledFormula>>,
+    compiled: Option<Arc<CompiledModel>>,
     subject: Option<InstrumentSubject>,
     overlays: Overlays,
     /// Grows when the models beside the formula change.
     overlays_version: u64,
-    sheets: LatestWorker<SheetRequest, Sheet>,
+    sheets: LatestWorker<SheetRequest, DrawnChart>,
     asked: Option<SheetKey>,
     number: u64,
-    sheet: Option<Sheet>,
+    sheet: Option<DrawnChart>,
     texture: Option<TextureHandle>,
     verdicts: LatestWorker<HeldFormula, (KnownVerdict, Duration)>,
     asked_verdict: Option<HeldFormula>,
@@ -116,7 +116,7 @@ impl InstrumentPanel {
             subject: None,
             overlays: Overlays::default(),
             overlays_version: 0,
-            sheets: LatestWorker::new(|request| Sheet::new(&request), move || wake()),
+            sheets: LatestWorker::new(|request| DrawnChart::new(&request), move || wake()),
             asked: None,
             number: 0,
             sheet: None,
@@ -179,10 +179,10 @@ impl InstrumentPanel {
         self.light = self.light.filter(|light| light.index() < scene.lights.len()).or_else(|| scene.light_ids().next());
         // A point of the picture is of one body.
         self.place = self.place.take().filter(|place| Some(place.body) == self.body);
-        let is_same = |compiled: &&Arc<CompiledFormula>| Arc::ptr_eq(&compiled.formula, workshop.formula());
+        let is_same = |compiled: &&Arc<CompiledModel>| Arc::ptr_eq(&compiled.formula, workshop.formula());
         let compiled = match self.compiled.as_ref().filter(is_same) {
             Some(compiled) => Arc::clone(compiled),
-            None => Arc::new(CompiledFormula::new(Arc::clone(workshop.formula()))),
+            None => Arc::new(CompiledModel::new(Arc::clone(workshop.formula()))),
         };
         self.compiled = Some(Arc::clone(&compiled));
         let mut about = self.body.map(|body| scene.body(body).name.clone()).unwrap_or_default();

@@ -3,8 +3,7 @@
 use crate::evaluate::inspect::{End, Inspection, figures};
 use crate::formula::ParameterId;
 use crate::lang::display_text::one_line;
-use crate::lang::types::Type;
-use crate::preview::workshop::{Dependence, Workshop};
+use crate::preview::workshop::{MovingParameter, Workshop, is_movable};
 use crate::sensitivity::Sensitivity;
 use crate::workspace::OwnerId;
 use egui::{ComboBox, Label, RichText, Ui};
@@ -28,7 +27,7 @@ struct PixelChange {
     stamp: u64,
     pixel: [u32; 2],
     of: OwnedParameter,
-    asked: Dependence,
+    asked: MovingParameter,
     sensitivity: Sensitivity,
     /// How fast each component changes.
     slope: [f32; 3],
@@ -44,10 +43,10 @@ impl PixelDependence {
         if let Some(found) = self.found.as_ref().filter(|found| is_known(found)) {
             return Some((found.slope, found.asked.step));
         }
-        let mut asked = workshop.dependence(of)?;
+        let mut asked = workshop.moving_parameter(of)?;
         asked.subject.view = asked.subject.view.with_pass(pass);
         let is_prepared = |found: &PixelChange| {
-            let Dependence { subject, moving, .. } = &found.asked;
+            let MovingParameter { subject, moving, .. } = &found.asked;
             found.pixel == pixel
                 && *moving == asked.moving
                 && subject.same_hits(&asked.subject)
@@ -72,12 +71,13 @@ impl PixelDependence {
         let table = workshop.values().table();
         let exists = |(owner, id): &OwnedParameter| table.indices(*owner, *id).is_some();
         let Some(mut of) = self.chosen.filter(exists).or(moved.filter(exists)) else { return };
+        let mut found = None;
         ui.horizontal(|ui| {
             ui.label("∂E/∂").on_hover_text("How fast the colour of the pixel changes with a parameter: its derivative");
             let label = |of: OwnedParameter| one_line(&table.label(of.0, of.1));
             ComboBox::from_id_salt("dependence").selected_text(label(of)).width(120.0).show_ui(ui, |ui| {
                 for (owner, id, _) in workshop.values().iter() {
-                    if table.parameter(id).ty != Type::Texture && is_near(owner, inspection) {
+                    if is_movable(table.parameter(id)) && is_near(owner, inspection) {
                         ui.selectable_value(&mut of, (owner, id), label((owner, id)));
                     }
                 }
@@ -85,13 +85,17 @@ impl PixelDependence {
             if Some(of) != moved || self.chosen.is_some() {
                 self.chosen = Some(of);
             }
-            let text = match self.find(workshop, inspection, of) {
-                Some((slope, step)) => dependence_text(slope, step),
-                None => "it cannot be moved here".to_owned(),
+            found = Some(self.find(workshop, inspection, of));
+            let text = match found {
+                Some(Some((slope, _))) => format!("= {}", colour_text(slope)),
+                Some(None) | None => "it cannot be moved here".to_owned(),
             };
             let hover = format!("{text}\nIn pass {}, without exposure and tone curve", inspection.pass);
             ui.add(Label::new(RichText::new(text).monospace()).truncate()).on_hover_text(hover);
         });
+        if let Some(Some((slope, Some(step)))) = found {
+            ui.add(Label::new(RichText::new(step_text(slope, step)).weak()).truncate());
+        }
     }
 
     /// What the row says of a parameter of the inspected pixel.
@@ -108,11 +112,14 @@ fn is_near(owner: OwnerId, inspection: &Inspection) -> bool {
     inspection.rays.iter().any(|ray| matches!(&ray.end, End::Hit(hit) if hit.body() == body))
 }
 
-/// The derivative, and what one per cent of the range would do.
-fn dependence_text(slope: [f32; 3], step: Option<f32>) -> String {
-    let text = |colour: [f32; 3]| format!("<{}>", colour.map(|component| figures(f64::from(component))).join(", "));
-    let by_step = step.map(|step| format!("; 1 % of its range changes it by {}", text(slope.map(|component| step * component))));
-    format!("= {}{}", text(slope), by_step.unwrap_or_default())
+fn colour_text(colour: [f32; 3]) -> String {
+    format!("<{}>", colour.map(|component| figures(f64::from(component))).join(", "))
+}
+
+/// What a step of a parameter, one per cent of its range, does to the pixel.
+fn step_text(slope: [f32; 3], step: f32) -> String {
+    let changed = colour_text(slope.map(|component| step * component));
+    format!("moved by 1 % of its range ({}), it changes the pixel by {changed}", figures(f64::from(step)))
 }
 
 #[cfg(test)]
@@ -121,10 +128,7 @@ mod tests {
 
     #[test]
     fn steps_are_parts_of_the_range() {
-        assert_eq!(
-            dependence_text([0.5, 0.0, -1.0], Some(0.02)),
-            "= <0.5, 0, -1>; 1 % of its range changes it by <0.01, 0, -0.02>"
-        );
-        assert_eq!(dependence_text([0.25; 3], None), "= <0.25, 0.25, 0.25>");
+        let text = step_text([0.5, 0.0, -1.0], 0.02);
+        assert_eq!(text, "moved by 1 % of its range (0.02), it changes the pixel by <0.01, 0, -0.02>");
     }
 }

@@ -1,11 +1,10 @@
 //! Sensitivity: how much each pixel of the picture depends on a parameter, in false colours; and which parameter that
 //! is.
 
-use crate::engine::{Engine, EngineError, Subject, Task};
+use crate::engine::{Engine, EngineError, Subject};
 use crate::evaluate::inspect::figures;
 use crate::formula::ParameterId;
 use crate::lang::display_text::one_line;
-use crate::lang::types::Type;
 use crate::picture::Frame;
 use crate::plot::false_colour;
 use crate::preview::app::App;
@@ -14,10 +13,12 @@ use crate::preview::app::pane::PicturePane;
 use crate::preview::app::pixel_dependence::OwnedParameter;
 use crate::preview::latest::LatestWorker;
 use crate::preview::renderer::Picture;
-use crate::preview::workshop::{Dependence, Workshop};
+use crate::preview::workshop::{MovingParameter, Workshop, is_movable};
 use crate::sensitivity::Sensitivity;
+use crate::trace::Hits;
 use crate::workspace::OwnerId;
 use egui::{Align2, Color32, Key, Rect, TextStyle, Ui, pos2, vec2};
+use std::sync::Arc;
 
 /// The colour of pixels that do not depend on the parameter.
 const UNREACHED: u32 = 0x0014_1414;
@@ -31,8 +32,13 @@ struct DependenceKey {
     stamp: u64,
 }
 
-/// What is asked for, and what evaluates it.
-type SensitivityQuestion = (DependenceKey, Dependence, Engine);
+/// What is asked for, on which hits, and what evaluates it.
+struct SensitivityQuestion {
+    key: DependenceKey,
+    asked: MovingParameter,
+    hits: Arc<Hits>,
+    engine: Engine,
+}
 
 /// The picture of sensitivity and its control.
 pub(super) struct SensitivityView {
@@ -95,28 +101,26 @@ impl FalseColours {
     }
 }
 
-/// Rays that were traced, and code that was compiled, for the last question.
+/// Code that was compiled, and what was prepared, for the last question.
 struct PreparedDependence {
     subject: Subject,
+    hits: Arc<Hits>,
     moving: Vec<ParameterId>,
     sensitivity: Sensitivity,
 }
 
 /// Answers one question; what was prepared for the last one is used again if it fits.
-fn answer(kept: &mut Option<PreparedDependence>, asked: &Dependence, engine: &Engine) -> Result<FalseColours, EngineError> {
-    let Dependence { subject, numbers, moving, speeds, step } = asked;
+fn answer(kept: &mut Option<PreparedDependence>, question: &SensitivityQuestion) -> Result<FalseColours, EngineError> {
+    let SensitivityQuestion { asked: MovingParameter { subject, numbers, moving, speeds, step }, hits, engine, .. } = question;
     let fits = |kept: &PreparedDependence| {
-        kept.subject.same_hits(subject)
-            && std::sync::Arc::ptr_eq(&kept.subject.formula, &subject.formula)
-            && kept.moving == *moving
+        Arc::ptr_eq(&kept.hits, hits) && Arc::ptr_eq(&kept.subject.formula, &subject.formula) && kept.moving == *moving
     };
     if !kept.as_ref().is_some_and(fits) {
         // Its memory is free for the next one.
         *kept = None;
-        engine.compile(subject)?;
-        let hits = [engine.trace(subject, &Task::UNWATCHED)?];
-        let sensitivity = Sensitivity::new(engine, subject, &hits, moving, numbers)?;
-        *kept = Some(PreparedDependence { subject: subject.clone(), moving: moving.clone(), sensitivity });
+        let hits = Arc::clone(hits);
+        let sensitivity = Sensitivity::new(engine, subject, std::slice::from_ref(&hits), moving, numbers)?;
+        *kept = Some(PreparedDependence { subject: subject.clone(), hits, moving: moving.clone(), sensitivity });
     }
     let change = kept.as_ref().map(|kept| kept.sensitivity.change(numbers, speeds));
     Ok(FalseColours::new(&change.unwrap_or_else(|| Frame::black(0, 0)), *step))
@@ -126,9 +130,8 @@ impl SensitivityView {
     /// The view. `wake` wakes the window.
     pub(super) fn new(wake: impl Fn() + Send + Sync + 'static) -> Self {
         let mut kept = None;
-        let reply = move |(key, asked, engine): SensitivityQuestion| {
-            (key, answer(&mut kept, &asked, &engine).map_err(|error| error.to_string()))
-        };
+        let reply =
+            move |question: SensitivityQuestion| (question.key, answer(&mut kept, &question).map_err(|error| error.to_string()));
         Self {
             shown: None,
             moved: None,
@@ -190,10 +193,10 @@ impl SensitivityView {
     }
 }
 
-/// A number parameter of the formula of an owner that can be moved: the first one that the formula declares itself.
+/// The first parameter of an owner that can be moved; one that the formula declares itself, if there is one.
 fn first_parameter(workshop: &Workshop, owner: OwnerId) -> Option<OwnedParameter> {
     let (values, formula) = (workshop.values(), workshop.formula());
-    let can = |id: &ParameterId| formula.parameter(*id).ty != Type::Texture && values.lock_of(owner, *id).is_none();
+    let can = |id: &ParameterId| is_movable(formula.parameter(*id)) && values.lock_of(owner, *id).is_none();
     let of = |owner: OwnerId| values.table().parameters_of(owner.kind()).filter(can);
     let own = of(owner).find(|id| formula.parameter(*id).predefined.is_none());
     own.or_else(|| of(owner).next()).map(|id| (owner, id))
@@ -229,15 +232,14 @@ impl App {
         }
         let Some(of) = view.shown else { return };
         let key = DependenceKey { of, stamp: self.workshop.stamp() };
-        if view.asked != Some(key) {
-            match self.workshop.dependence(of) {
-                Some(asked) => {
-                    let engine = self.workshop.engine();
-                    view.worker.ask((key, asked, engine));
-                }
-                // The formula has no such parameter any more, or it is locked.
-                None => return self.show_sensitivity(None),
-            }
+        // It waits until the scene is traced; the picture that comes then wakes the window.
+        if view.asked != Some(key)
+            && let Some(hits) = self.workshop.renderer().first_hits()
+        {
+            // The formula may have no such parameter any more, or it is locked.
+            let Some(asked) = self.workshop.moving_parameter(of) else { return self.show_sensitivity(None) };
+            let engine = self.workshop.engine();
+            view.worker.ask(SensitivityQuestion { key, asked, hits, engine });
             view.asked = Some(key);
             view.name = one_line(&self.workshop.values().table().label(of.0, of.1));
         }

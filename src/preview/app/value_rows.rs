@@ -8,6 +8,7 @@ use crate::picture::Transfer;
 use crate::preview::app::colours::{hex_ui, picker_ui, swatch_button};
 use crate::preview::app::image_rows::{ImageEdit, image_cells, image_name};
 use crate::preview::app::number_field::{EditPhase, NUMBER_WIDTH, number_ui, phase};
+use crate::preview::workshop::is_movable;
 use crate::workspace::{OwnerId, Values};
 use egui::{
     Align2, Color32, ComboBox, Popup, PopupCloseBehavior, Response, Sense, Slider, Stroke, TextStyle, TextWrapMode, Ui,
@@ -171,7 +172,7 @@ impl RowContext<'_> {
             if owner.kind() != Owner::Global && ui.button("Copy to all owners of this kind").clicked() {
                 edit = Some(ValueEdit::Copy);
             }
-            if parameter.ty != Type::Texture && ui.button("Show which pixels depend on it").clicked() {
+            if is_movable(parameter) && ui.button("Show which pixels depend on it").clicked() {
                 edit = Some(ValueEdit::ShowSensitivity);
             }
         });

@@ -2,14 +2,14 @@
 
 use super::Workshop;
 use crate::engine::Subject;
-use crate::formula::ParameterId;
+use crate::formula::{Parameter, ParameterId};
 use crate::lang::types::Type;
 use crate::sensitivity::Speed;
 use crate::workspace::OwnerId;
 
 /// A picture, and a parameter of one owner.
 #[derive(Clone)]
-pub struct Dependence {
+pub struct MovingParameter {
     /// The picture, in its first pass.
     pub subject: Subject,
     /// The values.
@@ -22,12 +22,17 @@ pub struct Dependence {
     pub step: Option<f32>,
 }
 
+/// Whether pictures have a derivative by a parameter: textures, switches and choices have no values between others.
+pub fn is_movable(parameter: &Parameter) -> bool {
+    parameter.ty != Type::Texture && !parameter.is_whole()
+}
+
 impl Workshop {
-    /// The picture, and a parameter of an owner. `None` if the owner has no such parameter, or it is a texture, or it
-    /// cannot be moved.
-    pub fn dependence(&self, (owner, id): (OwnerId, ParameterId)) -> Option<Dependence> {
+    /// The picture, and a parameter of an owner. `None` if the owner has no such parameter, or it is a texture or a
+    /// choice, or locked.
+    pub fn moving_parameter(&self, (owner, id): (OwnerId, ParameterId)) -> Option<MovingParameter> {
         self.values.table().indices(owner, id)?;
-        if self.formula.parameter(id).ty == Type::Texture {
+        if !is_movable(self.formula.parameter(id)) {
             return None;
         }
         let view = self.view().ok()?;
@@ -40,6 +45,6 @@ impl Workshop {
             return None;
         }
         let step = self.formula.parameter(id).range.map(|[low, high]| 0.01 * (high - low)).filter(|step| step.is_finite());
-        Some(Dependence { subject: self.subject(view), numbers: self.values.numbers().to_vec(), moving, speeds, step })
+        Some(MovingParameter { subject: self.subject(view), numbers: self.values.numbers().to_vec(), moving, speeds, step })
     }
 }

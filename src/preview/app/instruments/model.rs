@@ -18,7 +18,7 @@ const MOST_PAIRS: usize = 1 << 21;
 
 /// A formula, compiled for pairs of directions when it is first looked at. Views ask for the same pairs in every frame,
 /// so what was prepared for them is kept.
-pub(super) struct CompiledFormula {
+pub(super) struct CompiledModel {
     pub(super) formula: Arc<Formula>,
     program: OnceLock<ModelProgram>,
     kept: Mutex<VecDeque<KeptPairs>>,
@@ -31,7 +31,7 @@ struct KeptPairs {
     prepared: Arc<PreparedPairs>,
 }
 
-impl CompiledFormula {
+impl CompiledModel {
     pub(super) fn new(formula: Arc<Formula>) -> Self {
         Self { formula, program: OnceLock::new(), kept: Mutex::default() }
     }
@@ -60,7 +60,7 @@ impl CompiledFormula {
 /// A formula with values of its parameters at a place.
 #[derive(Clone)]
 pub(super) struct HeldFormula {
-    pub(super) compiled: Arc<CompiledFormula>,
+    pub(super) compiled: Arc<CompiledModel>,
     pub(super) numbers: ParameterNumbers,
     pub(super) place: Place,
     /// Whether the same pairs will be asked for again.

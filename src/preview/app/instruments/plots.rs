@@ -97,7 +97,7 @@ fn add_curves(plot: &mut PlotUi<'_>, curves: &[Curve], theme: ChartTheme, place:
 }
 
 fn plot<'p>(name: &str, curves: &[Curve], corner: Corner) -> Plot<'p> {
-    let plot = Plot::new(name).allow_scroll(false).set_margin_fraction(egui::vec2(0.0, 0.04));
+    let plot = Plot::new(name).allow_scroll(false).set_margin_fraction(egui::vec2(0.045, 0.04));
     if curves.len() < 2 {
         return plot;
     }
@@ -114,10 +114,12 @@ pub(super) fn cartesian_ui(ui: &mut Ui, chart: &CartesianChart, theme: ChartThem
         .label(small(plain(&chart.x.full_title())))
         .formatter(|mark: GridMark, _| format!("{}°", (10.0 * mark.value).round() / 10.0).replace('-', "−"))
         .label_spacing(Rangef::new(26.0, 34.0));
-    let y_axis = AxisHints::new_y().label(small(plain(&chart.y.full_title()))).formatter(move |mark: GridMark, _| {
-        let is_whole = scale.lowest.is_none() || (mark.value - mark.value.round()).abs() < 1e-6;
-        if is_whole { number_text(scale.number(mark.value)).replace('-', "−") } else { String::new() }
-    });
+    let y_axis = AxisHints::new_y().label(small(plain(&chart.y.full_title()))).label_spacing(Rangef::new(18.0, 26.0)).formatter(
+        move |mark: GridMark, _| {
+            let is_whole = scale.lowest.is_none() || (mark.value - mark.value.round()).abs() < 1e-6;
+            if is_whole { number_text(scale.number(mark.value)).replace('-', "−") } else { String::new() }
+        },
+    );
     // Lobes are at the other side.
     let mut plot = plot("cartesian", &chart.curves, Corner::LeftTop)
         .custom_x_axes(vec![x_axis])

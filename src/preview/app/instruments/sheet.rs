@@ -25,7 +25,7 @@ pub(super) struct SheetRequest {
 }
 
 /// A chart, ready to be shown.
-pub(super) struct Sheet {
+pub(super) struct DrawnChart {
     pub(super) number: u64,
     /// The name of the view.
     pub(super) view: &'static str,
@@ -37,7 +37,7 @@ pub(super) struct Sheet {
     pub(super) time: Duration,
 }
 
-impl Sheet {
+impl DrawnChart {
     /// Makes a chart.
     pub(super) fn new(request: &SheetRequest) -> Self {
         let start = Instant::now();
