@@ -85,6 +85,11 @@ impl Lobe {
             normal: normal(row, column),
             ruling: DVec2::new(self.polar[row] / 15.0, self.azimuths[column] / 15.0),
         };
+        let grid: Vec<SolidCorner> = (0..self.polar.len())
+            .flat_map(|row| (0..columns).map(move |column| (row, column)))
+            .map(|(row, column)| corner(row, column))
+            .collect();
+        let corner = |row: usize, column: usize| grid[row * columns + column];
         for row in 0..self.polar.len() - 1 {
             for column in 0..last {
                 let [a, b] = [corner(row, column), corner(row, column + 1)];

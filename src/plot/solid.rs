@@ -6,7 +6,7 @@ use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
 /// Pixels of the buffer for each pixel of the picture, along each side.
-const FINENESS: u32 = 3;
+const FINENESS: u32 = 2;
 
 /// A corner of a triangle.
 #[derive(Debug, Clone, Copy)]

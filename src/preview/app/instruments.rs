@@ -39,6 +39,8 @@ use verdict::VerdictWords;
 
 /// The least height of the panel, in points.
 const LEAST_HEIGHT: f32 = 180.0;
+/// The least height that is left for the picture, in points.
+const LEAST_PICTURE: f32 = 250.0;
 /// The width of the choices beside the chart, in points.
 const CONTROLS_WIDTH: f32 = 178.0;
 /// A verdict that takes longer waits until the slider is let go.
@@ -149,7 +151,9 @@ impl InstrumentPanel {
             return;
         }
         self.follow(workshop, selected, formula);
-        let most = (0.62 * ui.available_height()).max(LEAST_HEIGHT);
+        let room = ui.available_height();
+        // The picture keeps some, too.
+        let most = (room - LEAST_PICTURE).min(0.62 * room).max(LEAST_HEIGHT);
         let id = Id::new("instruments");
         let panel = Panel::bottom(id).resizable(true).default_size(sizes.get(PanelSide::Instruments));
         panel.size_range(LEAST_HEIGHT..=most).show(ui, |ui| {

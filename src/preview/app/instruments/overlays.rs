@@ -87,7 +87,7 @@ impl Overlays {
                 }
                 if let OverlayContent::Measured(path, _) = &overlay.content {
                     let about = "Compare in the picture: the left half has this material on the body, the right half the formula";
-                    if ui.small_button("◧").on_hover_text(about).clicked() {
+                    if ui.small_button("Compare").on_hover_text(about).clicked() {
                         compared = Some(path.clone());
                     }
                 }

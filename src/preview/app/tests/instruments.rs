@@ -200,3 +200,71 @@ fn sensitivity_reaches_the_pixels_of_its_body_and_escape_ends_it() {
     assert_eq!(harness.state().pane.mode, comparison::PaneMode::Current);
     assert!(settle(&mut harness) == picture);
 }
+
+/// Writes a MERL file of a matte material of this albedo. Components are stored with the scales of the format.
+fn write_matte(path: &std::path::Path, albedo: f64) {
+    let count = 90 * 90 * 180;
+    let mut bytes = Vec::with_capacity(12 + 3 * 8 * count);
+    [90_u32, 90, 180].iter().for_each(|size| bytes.extend(size.to_le_bytes()));
+    for scale in [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0] {
+        let stored: f64 = albedo / std::f64::consts::PI / scale;
+        (0..count).for_each(|_| bytes.extend(stored.to_le_bytes()));
+    }
+    std::fs::write(path, bytes).unwrap();
+}
+
+#[test]
+fn a_measured_material_is_beside_the_formula_and_in_the_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("matte.binary");
+    write_matte(&path, 0.5);
+    let mut harness = instruments(LAMBERT);
+    for (name, value) in [("part", 0.5), ("kr", 0.0), ("kt", 0.0)] {
+        set_all(&mut harness, name, value);
+    }
+    settle(&mut harness);
+    harness.state_mut().perform(Action::Instruments(InstrumentAction::AddMeasured(path.clone())));
+    harness.state_mut().jobs.wait();
+    harness.run_steps(2);
+    assert!(harness.query_by_label("matte.binary").is_some() && harness.state().instruments.overlay_count() == 1);
+    let numbers = folder.path().join("chart.csv");
+    harness.state_mut().perform(Action::Instruments(InstrumentAction::Save(numbers.clone())));
+    harness.state_mut().jobs.wait();
+    let text = std::fs::read_to_string(numbers).unwrap();
+    for row in text.lines().skip(1) {
+        let found = row.split(',').skip(1).map(|number| number.parse::<f64>().unwrap()).filter(|number| number.is_finite());
+        found.for_each(|number| assert!((number - 0.5 / std::f64::consts::PI).abs() < 1e-5, "{row}"));
+    }
+    // The picture with the material is that of the formula, which has the same albedo.
+    let now = settle(&mut harness);
+    harness.state_mut().perform(Action::Instruments(InstrumentAction::Compare(path)));
+    harness.state_mut().jobs.wait();
+    harness.run_steps(2);
+    let [comparison::Compared::Measured, comparison::Compared::Now] = harness.state().pane.mode.pair().unwrap() else {
+        panic!("{:?}", harness.state().pane.mode)
+    };
+    let measured = harness.state().workshop.measured_picture().unwrap().pixels.clone();
+    let steps = |(one, other): (&u32, &u32)| {
+        [0, 8, 16].map(|shift| (one >> shift & 0xff).abs_diff(other >> shift & 0xff)).into_iter().max().unwrap_or(0)
+    };
+    assert_eq!(measured.len(), now.len());
+    assert!(measured.iter().zip(&now).all(|pair| steps(pair) <= 1));
+    // It is not that of another albedo.
+    set_all(&mut harness, "part", 0.9);
+    let brighter = settle(&mut harness);
+    assert!(measured.iter().zip(&brighter).any(|pair| steps(pair) > 20));
+}
+
+#[test]
+fn a_file_that_is_no_material_is_refused_with_a_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("short.binary");
+    std::fs::write(&path, [90, 0, 0, 0, 90, 0, 0, 0, 180, 0, 0, 0, 1, 2]).unwrap();
+    let mut harness = harness();
+    harness.state_mut().perform(Action::Instruments(InstrumentAction::AddMeasured(path)));
+    harness.state_mut().jobs.wait();
+    harness.run_steps(2);
+    let message = harness.state().dialogs.message().unwrap_or_default().to_owned();
+    assert!(message.contains("short.binary"), "{message}");
+    assert_eq!(harness.state().instruments.overlay_count(), 0);
+}
