@@ -5,10 +5,13 @@
 //! round the cells with the largest errors are halved along that side, and the points of all new cells are evaluated
 //! together. A lobe may be so narrow that no point of the first cells sees it. So cells at the places where lobes are
 //! known to be (the mirror direction and the direction of the light itself, the normal, the horizon) are halved first,
-//! whatever they say.
+//! whatever they say. So are cells at the narrow tops that a [scan](super::peaks) finds. Its estimate of the integral also
+//! tells if cells missed something: then all of them are halved.
 
 use crate::instrument::direction::{STEEPEST, angles, direction, pair};
+use crate::instrument::peaks::{HemisphereScan, NarrowPeak, scan};
 use crate::instrument::{DirectionPair, Reflectance};
+use glam::{DVec3, Vec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Over which direction is integrated, while the other one is fixed.
@@ -21,9 +24,54 @@ pub enum Integration {
     OverLights,
 }
 
-/// The most evaluations of one integral. A smooth model takes about 20,000, and GGX with a roughness of 0.001 takes
-/// 50,000 at 89 degrees.
-const MOST_EVALUATIONS: usize = 150_000;
+/// How much work an integral is worth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct IntegrationCare {
+    /// How wrong the integral may be, and relative to it, if it is greater than 1.
+    pub accuracy: f64,
+    /// The most evaluations.
+    pub evaluations: usize,
+    /// Whether cells at the places of lobes are halved even if the scan saw no narrow top there.
+    pub refines_places: bool,
+}
+
+impl IntegrationCare {
+    /// Care for numbers that are told. A smooth model takes about 20,000 evaluations, and GGX with a roughness of
+    /// 0.001 takes 50,000 at 89 degrees.
+    pub const fn full(accuracy: f64) -> Self {
+        Self { accuracy, evaluations: 150_000, refines_places: true }
+    }
+
+    /// Care for numbers that are compared with each other.
+    pub const fn quick(accuracy: f64) -> Self {
+        Self { accuracy, evaluations: 30_000, refines_places: false }
+    }
+}
+
+impl Integration {
+    /// The pair of the fixed and the moving direction.
+    fn pair(self, fixed: DVec3, moving: DVec3) -> DirectionPair {
+        match self {
+            Integration::OverViews => pair(fixed, moving),
+            Integration::OverLights => pair(moving, fixed),
+        }
+    }
+
+    /// The fixed and the moving direction of a pair.
+    pub fn directions(self, pair: &DirectionPair) -> [DVec3; 2] {
+        let [light, view] = [pair.light, pair.view].map(|direction| Vec3::from(direction).as_dvec3());
+        match self {
+            Integration::OverViews => [light, view],
+            Integration::OverLights => [view, light],
+        }
+    }
+
+    /// The cosine of the moving direction of a pair.
+    fn cosine(self, pair: &DirectionPair) -> f64 {
+        self.directions(pair)[1].z
+    }
+}
+
 /// Cells at the mirror direction are halved until they are this small, in radians: small enough for a point to see a
 /// lobe of GGX with a roughness of 0.001, or a cosine to the power of 100,000.
 const MIRROR_SIZE: f64 = 4e-4;
@@ -31,6 +79,8 @@ const MIRROR_SIZE: f64 = 4e-4;
 const PLACE_SIZE: f64 = 4e-3;
 /// And along the plane of incidence.
 const PLANE_SIZE: f64 = 0.06;
+/// All cells are halved until they are this small if something was missed.
+const FINE_SIZE: f64 = 0.07;
 /// Smaller cells are not halved, because directions have 24 bits.
 const LEAST_SIZE: f64 = 2e-6;
 
@@ -146,11 +196,24 @@ impl SkyCell {
 
 /// Integrates a model over the hemisphere. The fixed direction has this polar angle and this azimuth, in degrees.
 /// `accuracy` is how wrong the integral may be, and relative to it, if it is greater than 1.
-pub fn integrate(model: &dyn Reflectance, over: Integration, [polar, azimuth]: [f64; 2], accuracy: f64) -> HemisphereIntegral {
+pub fn integrate(model: &dyn Reflectance, over: Integration, angles: [f64; 2], accuracy: f64) -> HemisphereIntegral {
+    integrate_with(model, over, angles, IntegrationCare::full(accuracy), &[])
+}
+
+/// The same with this care. `hints` are directions near which the model may be large, whatever the fixed one is.
+pub fn integrate_with(
+    model: &dyn Reflectance,
+    over: Integration,
+    [polar, azimuth]: [f64; 2],
+    care: IntegrationCare,
+    hints: &[DVec3],
+) -> HemisphereIntegral {
     let fixed = [polar.clamp(0.0, STEEPEST), azimuth];
-    let mut waiting = first_cells(fixed.map(f64::to_radians));
+    let scanned = scanned(model, over, fixed, hints);
+    let mut waiting = first_cells(fixed.map(f64::to_radians), care, &scanned.peaks);
     let mut done: Vec<SkyCell> = Vec::new();
     let mut result = HemisphereIntegral { value: [0.0; 3], error: 0.0, is_accurate: false, evaluations: 0, not_finite: None };
+    let mut may_halve_all = true;
     loop {
         evaluate(model, over, fixed, &mut waiting, &mut result);
         done.append(&mut waiting);
@@ -158,10 +221,18 @@ pub fn integrate(model: &dyn Reflectance, over: Integration, [polar, azimuth]: [
         done.sort_by(|one, other| one.error.total_cmp(&other.error));
         result.value = std::array::from_fn(|component| done.iter().map(|cell| cell.sum[component]).sum());
         result.error = done.iter().map(|cell| cell.error).sum();
-        let goal = accuracy * result.value.iter().fold(1.0_f64, |scale, value| scale.max(value.abs()));
-        result.is_accurate = result.error <= goal;
-        if result.is_accurate || result.evaluations >= MOST_EVALUATIONS {
+        let goal = care.accuracy * result.value.iter().fold(1.0_f64, |scale, value| scale.max(value.abs()));
+        let missed = missed(&result.value, &scanned).filter(|missed| *missed > goal);
+        result.is_accurate = result.error <= goal && missed.is_none();
+        if result.is_accurate || result.evaluations >= care.evaluations {
+            result.error = result.error.max(missed.unwrap_or(0.0));
             return result;
+        }
+        if result.error <= goal && may_halve_all {
+            may_halve_all = false;
+            let (large, small) = done.into_iter().partition(|cell| cell.size() > FINE_SIZE);
+            done = small;
+            waiting = halved(large, |cell| cell.size() > FINE_SIZE);
         }
         // The cells with the largest errors, until the others together are accurate enough.
         let mut rest = result.error;
@@ -171,13 +242,63 @@ pub fn integrate(model: &dyn Reflectance, over: Integration, [polar, azimuth]: [
             done.pop();
         }
         if waiting.is_empty() {
+            result.error = result.error.max(missed.unwrap_or(0.0));
             return result;
         }
     }
 }
 
+/// How much less an integral is than the estimate of a scan, if that is too much to be chance. It may be more: few
+/// points of a scan see a lobe that cells were made for.
+fn missed(value: &[f64; 3], scanned: &HemisphereScan) -> Option<f64> {
+    let differences = value.iter().zip(&scanned.estimate).filter_map(|(value, [estimate, error])| {
+        let difference = estimate - value;
+        (difference > 5.0 * error).then_some(difference)
+    });
+    differences.max_by(f64::total_cmp)
+}
+
+/// Looks at the whole hemisphere before it is cut into cells.
+fn scanned(model: &dyn Reflectance, over: Integration, [polar, azimuth]: [f64; 2], hints: &[DVec3]) -> HemisphereScan {
+    let fixed = direction(polar, azimuth);
+    let mirrored = DVec3::new(-fixed.x, -fixed.y, fixed.z);
+    let places: Vec<DVec3> = hints.iter().copied().chain([mirrored, fixed]).collect();
+    scan(&|moving| values_of(model, over, fixed, moving), &places)
+}
+
+/// The integrand for each steradian, for moving directions.
+pub(super) fn values_of(model: &dyn Reflectance, over: Integration, fixed: DVec3, moving: &[DVec3]) -> Vec<[f64; 3]> {
+    let pairs: Vec<DirectionPair> = moving.iter().map(|moving| over.pair(fixed, *moving)).collect();
+    let weighted = |(pair, value)| weighted(over, pair, value, over.cosine(pair));
+    pairs.iter().zip(model.values(&pairs)).map(weighted).collect()
+}
+
+/// A value of a model as the integrand for each steradian. The value is π · f · cos θ of the light; `cosine` is that of
+/// the moving direction.
+fn weighted(over: Integration, pair: &DirectionPair, value: [f32; 3], cosine: f64) -> [f64; 3] {
+    let weight = match over {
+        Integration::OverViews => cosine / (PI * f64::from(pair.light[2])),
+        Integration::OverLights => 1.0 / PI,
+    };
+    value.map(|component| if component.is_finite() { f64::from(component) * weight } else { 0.0 })
+}
+
+/// Halves cells along their longer side, as long as `is_large`.
+fn halved(mut open: Vec<SkyCell>, is_large: impl Fn(&SkyCell) -> bool) -> Vec<SkyCell> {
+    let mut cells = Vec::new();
+    while let Some(cell) = open.pop() {
+        if is_large(&cell) {
+            let [one, other] = cell.sides();
+            open.extend(cell.halves(one >= other));
+        } else {
+            cells.push(cell);
+        }
+    }
+    cells
+}
+
 /// The cells of the first round. The plane of incidence and the polar angle of the fixed direction are edges.
-fn first_cells([polar, azimuth]: [f64; 2]) -> Vec<SkyCell> {
+fn first_cells([polar, azimuth]: [f64; 2], care: IntegrationCare, peaks: &[NarrowPeak]) -> Vec<SkyCell> {
     const ROWS: u32 = 6;
     const COLUMNS: u32 = 12;
     let mut edges: Vec<f64> = (0..=ROWS).map(|row| FRAC_PI_2 * f64::from(row) / f64::from(ROWS)).collect();
@@ -190,30 +311,24 @@ fn first_cells([polar, azimuth]: [f64; 2]) -> Vec<SkyCell> {
         let rows = [rows[0], rows[1]];
         (0..COLUMNS).map(move |index| SkyCell::new(rows, [column(index), column(index + 1)]))
     });
-    let mut open: Vec<SkyCell> = cells.collect();
-    let places = [
+    let known = [
         ([polar, azimuth + PI], MIRROR_SIZE),
         ([polar, azimuth], PLACE_SIZE),
         ([0.0, azimuth], PLACE_SIZE),
         ([FRAC_PI_2, azimuth + PI], PLACE_SIZE),
         ([FRAC_PI_2, azimuth], PLACE_SIZE),
     ];
-    let mut cells = Vec::new();
-    while let Some(cell) = open.pop() {
+    let known = known.into_iter().filter(|_| care.refines_places);
+    let places: Vec<([f64; 2], f64)> = known.chain(peaks.iter().map(|peak| (peak.place, peak.width))).collect();
+    halved(cells.collect(), |cell| {
         let size = cell.size();
         let at_place = places.iter().any(|(place, least)| size > *least && cell.touches(*place));
         let at_plane = || {
             let middle = 0.5 * (cell.polar[0] + cell.polar[1]);
             size > PLANE_SIZE && [azimuth, azimuth + PI].iter().any(|plane| cell.touches([middle, *plane]))
         };
-        if at_place || at_plane() {
-            let [one, other] = cell.sides();
-            open.extend(cell.halves(one >= other));
-        } else {
-            cells.push(cell);
-        }
-    }
-    cells
+        at_place || care.refines_places && at_plane()
+    })
 }
 
 /// Evaluates the model at the points of cells, all together.
@@ -231,10 +346,7 @@ fn evaluate(
         .map(|point| {
             let [polar, azimuth] = point.map(f64::to_degrees);
             let moving = direction(polar, azimuth);
-            match over {
-                Integration::OverViews => pair(fixed, moving),
-                Integration::OverLights => pair(moving, fixed),
-            }
+            over.pair(fixed, moving)
         })
         .collect();
     let values = model.values(&pairs);
@@ -246,13 +358,8 @@ fn evaluate(
             if !value.iter().all(|component| component.is_finite()) {
                 result.not_finite.get_or_insert(*pair);
             }
-            // The value is π · f · cos θ of the light, and the area of the sphere shrinks towards the normal.
-            let weight = point[0].sin() / PI
-                * match over {
-                    Integration::OverViews => point[0].cos() / f64::from(pair.light[2]),
-                    Integration::OverLights => 1.0,
-                };
-            *target = value.map(|component| if component.is_finite() { f64::from(component) * weight } else { 0.0 });
+            // The area of the sphere shrinks towards the normal.
+            *target = weighted(over, pair, *value, point[0].cos()).map(|component| component * point[0].sin());
         }
         cell.settle(&integrand);
     }

@@ -1,9 +1,10 @@
 //! What there is to say about a model: how much it reflects, whether it is reciprocal, and where its values are odd.
 
-use crate::instrument::albedo::{EQUAL, GreatestAlbedo, albedos, depends_on_azimuth, greatest};
-use crate::instrument::expressions::spread_pairs;
+use crate::instrument::albedo::{EQUAL, GreatestAlbedo, albedos};
 use crate::instrument::hemisphere::Integration;
-use crate::instrument::reciprocity::{ReciprocityError, worst};
+use crate::instrument::reciprocity::ReciprocityError;
+use crate::instrument::search::greatest;
+use crate::instrument::survey::ModelSurvey;
 use crate::instrument::{DirectionPair, Reflectance};
 
 /// The incoming angles for which shares are told, in degrees.
@@ -14,6 +15,8 @@ pub const TOLD_ANGLES: [f64; 11] = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.
 pub struct AlbedoRow {
     /// The polar angle of the fixed direction, in degrees.
     pub polar: f64,
+    /// Its azimuth, in degrees.
+    pub azimuth: f64,
     /// The share of a beam from there that is reflected: red, green, blue.
     pub beam: [f64; 3],
     /// What a viewer there sees in a white furnace.
@@ -25,7 +28,8 @@ pub struct AlbedoRow {
 /// What was measured of a model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModelMeasurement {
-    /// The shares by polar angle, at azimuth 0.
+    /// The shares by polar angle, at azimuth 0; then those at the azimuth of the greatest share of a beam, if azimuths
+    /// differ.
     pub rows: Vec<AlbedoRow>,
     /// The greatest share of a beam that is reflected.
     pub beam: GreatestAlbedo,
@@ -46,6 +50,8 @@ pub struct ModelMeasurement {
 pub enum EnergyVerdict {
     /// No more light leaves than comes.
     Conserves,
+    /// There is no finite value.
+    Unknown,
     /// More light leaves than comes.
     DoesNot(GreatestAlbedo),
 }
@@ -53,31 +59,26 @@ pub enum EnergyVerdict {
 impl ModelMeasurement {
     /// Measures a model.
     pub fn of(model: &dyn Reflectance) -> Self {
-        let depends_on_azimuth = depends_on_azimuth(model);
-        let angles = TOLD_ANGLES.map(|polar| [polar, 0.0]);
+        let survey = ModelSurvey::of(model);
+        let beam = greatest(model, Integration::OverViews, &survey);
+        // Both are the same integral if the model is reciprocal.
+        let is_reciprocal = survey.reciprocity.is_some_and(|worst| worst.error < EQUAL);
+        let furnace = if is_reciprocal { beam } else { greatest(model, Integration::OverLights, &survey) };
+        let worst = Some(beam.angles[1]).filter(|azimuth| survey.depends_on_azimuth && *azimuth > 0.5);
+        let azimuths = std::iter::once(0.0).chain(worst);
+        let angles: Vec<[f64; 2]> = azimuths.flat_map(|azimuth| TOLD_ANGLES.map(|polar| [polar, azimuth])).collect();
         let beams = albedos(model, Integration::OverViews, &angles);
         let furnaces = albedos(model, Integration::OverLights, &angles);
-        let reciprocity = worst(model);
-        let beam = greatest(model, Integration::OverViews, depends_on_azimuth);
-        // Both are the same integral if the model is reciprocal.
-        let furnace = if reciprocity.is_some_and(|worst| worst.error < EQUAL) {
-            beam
-        } else {
-            greatest(model, Integration::OverLights, depends_on_azimuth)
-        };
-        let pairs = spread_pairs();
-        let values = model.values(&pairs);
-        let finite = pairs.iter().zip(&values).flat_map(|(pair, value)| value.map(|component| (f64::from(component), *pair)));
-        let least = finite.filter(|(value, _)| value.is_finite()).min_by(|one, other| one.0.total_cmp(&other.0));
-        let is_odd = |value: &[f32; 3]| !value.iter().all(|component| component.is_finite());
-        let odd = pairs.iter().zip(&values).find(|(_, value)| is_odd(value)).map(|(pair, _)| *pair);
-        let not_finite = odd.or_else(|| beams.iter().chain(&furnaces).find_map(|integral| integral.not_finite));
-        let rows = TOLD_ANGLES.iter().zip(beams.iter().zip(&furnaces)).map(|(polar, (beam, furnace))| AlbedoRow {
+        let in_integrals = || beams.iter().chain(&furnaces).find_map(|integral| integral.not_finite);
+        let not_finite = survey.not_finite.or_else(in_integrals);
+        let rows = angles.iter().zip(beams.iter().zip(&furnaces)).map(|([polar, azimuth], (beam, furnace))| AlbedoRow {
             polar: *polar,
+            azimuth: *azimuth,
             beam: beam.value,
             furnace: furnace.value,
             error: beam.error.max(furnace.error),
         });
+        let ModelSurvey { depends_on_azimuth, reciprocity, least, .. } = survey;
         Self { rows: rows.collect(), beam, furnace, depends_on_azimuth, reciprocity, least, not_finite }
     }
 
@@ -88,6 +89,10 @@ impl ModelMeasurement {
 
     /// Whether the model conserves energy: whether it reflects at most all of any beam.
     pub fn verdict(&self) -> EnergyVerdict {
-        if self.beam.above_one_from.is_some() { EnergyVerdict::DoesNot(self.beam) } else { EnergyVerdict::Conserves }
+        match (self.least, self.beam.above_one) {
+            (None, _) => EnergyVerdict::Unknown,
+            (_, Some(_)) => EnergyVerdict::DoesNot(self.beam),
+            (_, None) => EnergyVerdict::Conserves,
+        }
     }
 }

@@ -11,7 +11,10 @@ pub mod hemisphere;
 pub mod measured;
 pub mod measurement;
 pub mod model;
+mod peaks;
 pub mod reciprocity;
+pub mod search;
+pub mod survey;
 #[cfg(feature = "plot")]
 pub mod view;
 
@@ -23,6 +26,13 @@ pub struct DirectionPair {
     pub light: [f32; 3],
     /// To the viewer.
     pub view: [f32; 3],
+}
+
+impl DirectionPair {
+    /// The same directions with light and viewer exchanged.
+    pub fn exchanged(&self) -> Self {
+        Self { light: self.view, view: self.light }
+    }
 }
 
 /// A model of reflection that instruments look at.

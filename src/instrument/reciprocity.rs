@@ -1,6 +1,6 @@
 //! Whether a model is reciprocal: whether light takes the same way back.
 
-use crate::instrument::direction::{brdf, direction, pair};
+use crate::instrument::direction::brdf;
 use crate::instrument::{DirectionPair, Reflectance};
 
 /// Values below this part of the greatest one are not compared: there, rounding is most of the difference.
@@ -15,15 +15,10 @@ pub struct ReciprocityError {
     pub pair: DirectionPair,
 }
 
-/// The same directions with light and viewer exchanged.
-fn exchanged(pair: &DirectionPair) -> DirectionPair {
-    DirectionPair { light: pair.view, view: pair.light }
-}
-
 /// The relative difference of the BRDF of each pair and the exchanged pair, for the component where it is largest. NaN
 /// where one of both is not finite.
 pub fn differences(model: &dyn Reflectance, pairs: &[DirectionPair]) -> Vec<f64> {
-    let back: Vec<DirectionPair> = pairs.iter().map(exchanged).collect();
+    let back: Vec<DirectionPair> = pairs.iter().map(DirectionPair::exchanged).collect();
     let brdfs = |pairs: &[DirectionPair]| -> Vec<[f64; 3]> {
         pairs.iter().zip(model.values(pairs)).map(|(pair, value)| brdf(pair, value)).collect()
     };
@@ -45,22 +40,4 @@ pub fn differences(model: &dyn Reflectance, pairs: &[DirectionPair]) -> Vec<f64>
         components.fold(0.0, |largest: f64, component| if component.is_nan() { f64::NAN } else { largest.max(component) })
     };
     there.iter().zip(&back).map(of_pair).collect()
-}
-
-/// Where a model is least reciprocal, among pairs that are spread over both hemispheres. `None` if it has no finite
-/// values.
-pub fn worst(model: &dyn Reflectance) -> Option<ReciprocityError> {
-    let mut pairs = Vec::new();
-    let polar = || (0..18).map(|step| 5.0 * f64::from(step));
-    for light in polar() {
-        for view in polar().filter(|view| *view <= light) {
-            for (azimuth, turned) in (0..13).flat_map(|step| [0.0, 50.0].map(|azimuth| (azimuth, 15.0 * f64::from(step)))) {
-                pairs.push(pair(direction(light, azimuth), direction(view, azimuth + turned)));
-            }
-        }
-    }
-    let differences = differences(model, &pairs);
-    let finite = differences.iter().zip(&pairs).filter(|(error, _)| error.is_finite());
-    let (error, pair) = finite.max_by(|one, other| one.0.total_cmp(other.0))?;
-    Some(ReciprocityError { error: *error, pair: *pair })
 }

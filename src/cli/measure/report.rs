@@ -22,7 +22,8 @@ pub(super) struct MeasurementReport {
     pub(super) greatest_albedo: GreatestReport,
     /// The most that a viewer sees in a white furnace.
     pub(super) greatest_in_furnace: GreatestReport,
-    /// The shares by the angle of the beam, or of the viewer.
+    /// The shares by the angle of the beam, or of the viewer, at azimuth 0; then those at the azimuth of the greatest
+    /// share, if azimuths differ.
     pub(super) albedo: Vec<AlbedoReport>,
     /// Whether values change when both directions turn about the normal.
     pub(super) depends_on_azimuth: bool,
@@ -87,14 +88,16 @@ pub(super) struct GreatestReport {
     pub(super) component: &'static str,
     pub(super) theta: f64,
     pub(super) phi: f64,
-    /// The angle from which on it is above 1; null if it is not.
+    /// The angles from which and to which it is above 1; null if it is not.
     pub(super) above_one_from: Option<f64>,
+    pub(super) above_one_to: Option<f64>,
 }
 
 /// The shares of the light for one angle.
 #[derive(Serialize)]
 pub(super) struct AlbedoReport {
     pub(super) theta: f64,
+    pub(super) phi: f64,
     /// The share of a beam that is reflected: red, green, blue.
     pub(super) beam: [f64; 3],
     /// What a viewer sees in a white furnace.
@@ -159,7 +162,8 @@ impl GreatestReport {
             component: COMPONENTS[greatest.component % COMPONENTS.len()],
             theta: angle(theta),
             phi: angle(phi),
-            above_one_from: greatest.above_one_from.map(angle),
+            above_one_from: greatest.above_one.map(|[from, _]| angle(from)),
+            above_one_to: greatest.above_one.map(|[_, to]| angle(to)),
         }
     }
 }
@@ -180,6 +184,7 @@ impl MeasurementReport {
     ) -> Self {
         let rows = measured.rows.iter().map(|row| AlbedoReport {
             theta: row.polar,
+            phi: angle(row.azimuth),
             beam: row.beam.map(share),
             furnace: row.furnace.map(share),
             error: row.error,

@@ -3,9 +3,11 @@
 use crate::cli::model::ValuedFormula;
 use illuminator::formula::{Parameter, ParameterId, Term};
 use illuminator::instrument::Reflectance;
-use illuminator::instrument::albedo::{GreatestAlbedo, depends_on_azimuth, greatest, greatest_component};
+use illuminator::instrument::albedo::{GreatestAlbedo, greatest_component};
 use illuminator::instrument::expressions::spread_pairs;
 use illuminator::instrument::hemisphere::{Integration, integrate};
+use illuminator::instrument::search::greatest;
+use illuminator::instrument::survey::ModelSurvey;
 use illuminator::lang::types::Type;
 use illuminator::lang::variables::{Owner, Predefined};
 use illuminator::workspace::assignment::Assignment;
@@ -126,7 +128,7 @@ pub(super) fn over_ranges(valued: &ValuedFormula) -> RangeFindings {
     let least = tried.iter().min_by(|one, other| one.smallest.total_cmp(&other.smallest));
     let greatest = worst.map(|worst| {
         let model = valued.model(&worst.values);
-        (greatest(&model, Integration::OverViews, depends_on_azimuth(&model)), said(worst))
+        (greatest(&model, Integration::OverViews, &ModelSurvey::of(&model)), said(worst))
     });
     RangeFindings {
         moved: moved.iter().map(|(_, id)| valued.formula.parameter(*id).name.clone()).collect(),

@@ -1,10 +1,15 @@
 //! What `measure` prints: the verdict first, then the numbers.
 
-use crate::cli::measure::report::{COMPONENTS, ExpressionReport, GreatestReport, MeasurementReport, PairReport, RangeReport};
+use crate::cli::measure::report::{
+    AlbedoReport, COMPONENTS, ExpressionReport, GreatestReport, MeasurementReport, PairReport, RangeReport,
+};
+use illuminator::instrument::albedo::ACCURACY;
 use std::fmt::Write;
 
 /// The width of the names at the left.
 const NAME_WIDTH: usize = 14;
+/// A share that may be more wrong than this, or this part of it, is told with its error.
+const LARGE_ERROR: f64 = 2e-3;
 /// The most characters of the name of an expression.
 const LONGEST_NAME: usize = 24;
 
@@ -17,7 +22,7 @@ pub(super) fn table(report: &MeasurementReport) -> String {
     };
     fact("energy", verdict(report));
     if !report.is_reciprocal && report.conserves_energy.is_some() {
-        fact("furnace", furnace(&report.greatest_in_furnace));
+        fact("furnace", furnace(report));
     }
     fact("reciprocity", reciprocity(report));
     fact("azimuth", if report.depends_on_azimuth { "matters (anisotropic)" } else { "does not matter (isotropic)" }.to_owned());
@@ -68,32 +73,56 @@ fn percent(share: f64) -> String {
 /// The answer to whether energy is conserved.
 fn verdict(report: &MeasurementReport) -> String {
     let greatest = &report.greatest_albedo;
-    let (share, at) = (portion(greatest.share, 3), of_greatest(greatest, report.depends_on_azimuth, report.is_grey()));
-    let said = match (report.conserves_energy, greatest.above_one_from) {
+    let (share, at) = (share_of(greatest), of_greatest(greatest, report.depends_on_azimuth, report.is_grey()));
+    let said = match (report.conserves_energy, above_one(greatest)) {
         (None, _) => return "unknown: there is no finite value".to_owned(),
-        (_, None) => format!("conserved: at most {share} of a beam of light is reflected ({at})"),
-        (_, Some(from)) if from <= 0.05 => format!("NOT conserved: {share} of the light at {at}; above 1 at once"),
-        (_, Some(from)) => {
-            let only = if from > 89.0 { "only along the surface, " } else { "" };
-            format!("NOT conserved: {share} of the light at {at}; {only}above 1 from {}", degrees(from))
+        (_, None) => {
+            // Shares that are this near to 1 count as 1.
+            let within = if greatest.share > 1.0 { " within 0.1 %" } else { "" };
+            format!("conserved{within}: {} {share} of a beam of light is reflected ({at})", at_most(greatest))
         }
+        (_, Some(above)) => format!("NOT conserved: {share} of the light at {at}; {above}"),
     };
     if report.not_finite.is_some() { format!("where values are finite, {said}") } else { said }
 }
 
+/// A share with how wrong it may be, if that is much.
+fn share_of(greatest: &GreatestReport) -> String {
+    let share = portion(greatest.share, 3);
+    if is_certain(greatest) { share } else { format!("{share} ± {}", portion(greatest.error, 3)) }
+}
+
+fn is_certain(greatest: &GreatestReport) -> bool {
+    greatest.error <= LARGE_ERROR * greatest.share.abs().max(1.0)
+}
+
+fn at_most(greatest: &GreatestReport) -> &'static str {
+    if is_certain(greatest) { "at most" } else { "about" }
+}
+
+/// Where a share is above 1.
+fn above_one(greatest: &GreatestReport) -> Option<String> {
+    let (from, to) = (greatest.above_one_from?, greatest.above_one_to?);
+    let only = if from > 89.0 { "only along the surface, " } else { "" };
+    let until = if to < 89.0 { format!(" to {}", degrees(to)) } else { String::new() };
+    Some(format!("{only}above 1 from {}{until}", degrees(from)))
+}
+
 /// What a viewer sees of a model that is not reciprocal.
-fn furnace(greatest: &GreatestReport) -> String {
-    let (share, at) = (portion(greatest.share, 3), degrees(greatest.theta));
-    match greatest.above_one_from {
-        None => format!("at most {share} is seen in a white furnace (at {at})"),
-        Some(from) => format!("up to {share} is seen in a white furnace, at {at}; above 1 from {}", degrees(from)),
+fn furnace(report: &MeasurementReport) -> String {
+    let greatest = &report.greatest_in_furnace;
+    let (share, at) = (share_of(greatest), of_greatest(greatest, report.depends_on_azimuth, report.is_grey()));
+    match above_one(greatest) {
+        None => format!("{} {share} is seen in a white furnace (at {at})", at_most(greatest)),
+        Some(above) => format!("up to {share} is seen in a white furnace, at {at}; {above}"),
     }
 }
 
 /// Where the greatest share is.
 fn of_greatest(greatest: &GreatestReport, has_azimuth: bool, is_grey: bool) -> String {
     let mut text = degrees(greatest.theta);
-    if has_azimuth {
+    // At the normal, there is no azimuth.
+    if has_azimuth && greatest.theta > 0.05 {
         let _ = write!(text, ", azimuth {:.0}°", greatest.phi);
     }
     if !is_grey {
@@ -130,12 +159,12 @@ fn over_ranges(ranges: &RangeReport) -> String {
         let _ = writeln!(text, "  {name:<NAME_WIDTH$}{said}");
     };
     if let Some(greatest) = &ranges.greatest_albedo {
-        let share = portion(greatest.share, 3);
+        let share = share_of(greatest);
         let most = format!("{share} of a beam at {}{}", degrees(greatest.theta), with(&ranges.greatest_with));
         fact(
             "energy",
             match above_one {
-                0 if greatest.above_one_from.is_none() => format!("conserved by all; at most {most}"),
+                0 if greatest.above_one_from.is_none() => format!("conserved by all; {} {most}", at_most(greatest)),
                 count => format!("NOT conserved by {}; most: {most}", (*count).max(1)),
             },
         );
@@ -166,17 +195,33 @@ fn shares(report: &MeasurementReport) -> String {
             ),
         }
     }
-    for row in &report.albedo {
-        let furnace = row.furnace.iter().take(if has_furnace { components } else { 0 });
-        let numbers = row.beam.iter().take(components).chain(furnace).map(|share| portion(*share, 4));
-        lines.push(std::iter::once(format!("{}°", row.theta)).chain(numbers).collect());
+    let scale = |row: &AlbedoReport| row.beam.iter().chain(&row.furnace).copied().fold(1.0, f64::max);
+    let has_errors = report.albedo.iter().any(|row| row.error > 1.5 * ACCURACY * scale(row));
+    if has_errors {
+        lines[0].push("±".to_owned());
     }
     let what = if has_furnace {
         "share of a beam that is reflected, by its angle; and what is seen in a white furnace (f.), by the viewer's angle"
     } else {
         "share of a beam that is reflected, by its angle (and what is seen in a white furnace, by the viewer's)"
     };
-    format!("{what}\n{}", aligned(&lines))
+    let mut text = String::new();
+    for rows in report.albedo.chunk_by(|one, other| one.phi == other.phi) {
+        let mut lines = lines.clone();
+        for row in rows {
+            let furnace = row.furnace.iter().take(if has_furnace { components } else { 0 });
+            let numbers = row.beam.iter().take(components).chain(furnace).map(|share| portion(*share, 4));
+            let error = has_errors.then(|| portion(row.error, 4));
+            lines.push(std::iter::once(format!("{}°", row.theta)).chain(numbers).chain(error).collect());
+        }
+        let heading = match (report.depends_on_azimuth, text.is_empty(), rows[0].phi) {
+            (false, ..) => what.to_owned(),
+            (true, true, phi) => format!("{what}; at azimuth {phi:.0}°"),
+            (true, false, phi) => format!("\nthe same at azimuth {phi:.0}°, where the share is greatest"),
+        };
+        let _ = write!(text, "{heading}\n{}", aligned(&lines));
+    }
+    text
 }
 
 /// The ranges of the expressions.

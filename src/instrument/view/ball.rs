@@ -1,8 +1,9 @@
 //! Views of a ball: in a white furnace, and under a light.
 
-use crate::instrument::albedo::{albedos, depends_on_azimuth};
+use crate::instrument::albedo::albedos;
 use crate::instrument::direction::{direction, pair};
 use crate::instrument::hemisphere::Integration;
+use crate::instrument::survey::ModelSurvey;
 use crate::instrument::view::settings::{NamedModel, ViewSettings};
 use crate::instrument::{DirectionPair, Reflectance};
 use crate::plot::{Chart, ChartAxis, MapChart, MapPanel, MapValues};
@@ -14,6 +15,8 @@ const SIDE: u32 = 360;
 const FINENESS: u32 = 2;
 /// The radius of the ball, where half a side is 1.
 const RADIUS: f64 = 0.88;
+/// The colour of a ball without any finite value: that of NaN in false colours.
+const UNKNOWN: [f32; 3] = [1.0, 0.0, 1.0];
 /// How bright the furnace is shown, so that more than it has can be seen.
 const FURNACE: f32 = 0.5;
 
@@ -64,19 +67,23 @@ struct FurnaceTable {
     /// Steps of the polar angle, and of the azimuth.
     steps: [usize; 2],
     shares: Vec<[f64; 3]>,
+    /// Whether there is any finite value, and whether there are values that are not.
+    is_known: bool,
+    has_odd: bool,
 }
 
 impl FurnaceTable {
     const LAST: f64 = 89.5;
 
     fn new(model: &dyn Reflectance) -> Self {
-        let steps = if depends_on_azimuth(model) { [18, 24] } else { [45, 1] };
+        let survey = ModelSurvey::of(model);
+        let steps = if survey.depends_on_azimuth { [18, 24] } else { [45, 1] };
         let row = |row: usize| Self::LAST * row as f64 / steps[0] as f64;
         let column = |column: usize| 360.0 * column as f64 / steps[1] as f64;
         let angles: Vec<[f64; 2]> =
             (0..=steps[0]).flat_map(|polar| (0..steps[1]).map(move |azimuth| [row(polar), column(azimuth)])).collect();
         let shares = albedos(model, Integration::OverLights, &angles).into_iter().map(|integral| integral.value).collect();
-        Self { steps, shares }
+        Self { steps, shares, is_known: survey.least.is_some(), has_odd: survey.not_finite.is_some() }
     }
 
     /// The share that is seen from a direction in the frame of the surface.
@@ -103,8 +110,15 @@ pub(super) fn furnace(models: &[NamedModel], settings: &ViewSettings) -> Chart {
         let table = FurnaceTable::new(model.model.as_ref());
         let ends = |[low, high]: [f64; 2], share: &f64| [low.min(*share), high.max(*share)];
         let [least, greatest] = table.shares.iter().flatten().fold([f64::INFINITY, f64::NEG_INFINITY], ends);
-        let told = format!("sends {least:.3} to {greatest:.3} of the light");
+        let told = match (table.is_known, table.has_odd) {
+            (false, _) => "has no finite value".to_owned(),
+            (true, true) => format!("sends {least:.3} to {greatest:.3} of the light where values are finite"),
+            (true, false) => format!("sends {least:.3} to {greatest:.3} of the light"),
+        };
         let colours = |normals: &[DVec3]| -> Vec<[f32; 3]> {
+            if !table.is_known {
+                return vec![UNKNOWN; normals.len()];
+            }
             let seen = normals.iter().map(|normal| table.at(frame(*normal).transpose() * DVec3::Z));
             seen.map(|share| share.map(|component| FURNACE * component as f32)).collect()
         };

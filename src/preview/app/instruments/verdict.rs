@@ -32,6 +32,7 @@ impl VerdictWords {
         let around = if measured.depends_on_azimuth { format!(", azimuth {azimuth:.0}°") } else { String::new() };
         let verdict = measured.verdict();
         let mut text = match verdict {
+            EnergyVerdict::Unknown => "Has no finite value".to_owned(),
             EnergyVerdict::Conserves if best.share <= 0.0 => "Reflects no light".to_owned(),
             EnergyVerdict::Conserves => {
                 format!(
@@ -40,7 +41,7 @@ impl VerdictWords {
                 )
             }
             EnergyVerdict::DoesNot(_) => {
-                let from = match best.above_one_from {
+                let from = match best.above_one.map(|[from, _]| from) {
                     Some(from) if from >= 0.5 => format!("; above 100 % from {from:.0}°"),
                     Some(_) => "; above 100 % from 0°".to_owned(),
                     None => String::new(),
