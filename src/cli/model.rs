@@ -14,6 +14,7 @@ use illuminator::instrument::view::NamedModel;
 use illuminator::lang::diagnostic::{Diagnostic, nearest};
 use illuminator::lang::display_text::one_line;
 use illuminator::lang::source::Source;
+use illuminator::lang::types::Type;
 use illuminator::lang::variables::Owner;
 use illuminator::measured::{FORMATS, MeasuredMaterial};
 use illuminator::trace::usable_memory;
@@ -158,6 +159,7 @@ impl ModelOptions {
 
     /// The model of a formula, with its defaults.
     fn formula_alone(&self, source: Source, location: Location) -> Result<OpenedModel, Failure> {
+        self.check_names(&source)?;
         let settings: Vec<NamedAssignment> = self.settings.iter().cloned().map(|given| owned(given, &source)).collect();
         let texts = |kind: FileKind| match kind {
             FileKind::Formula => Some(source.clone()),
@@ -174,13 +176,33 @@ impl ModelOptions {
         };
         let project = self.project(request)?;
         let (owners, _) = self.owners(&project)?;
-        let changes = self.settings.iter().map(ToString::to_string).chain(self.materials.iter().map(ToString::to_string));
+        let used = |given: &NamedAssignment| used_value(&project, owners, given).unwrap_or_else(|| given.to_string());
+        let changes = self.settings.iter().map(used).chain(self.materials.iter().map(ToString::to_string));
         let changes: Vec<String> = changes.collect();
         let described = match changes.as_slice() {
             [] => location.to_string(),
             changes => format!("{location} with {}", changes.join(", ")),
         };
         Ok(opened(project, owners, short_name(&location), described))
+    }
+
+    /// Checks that the formula has the parameters that are set without an owner.
+    fn check_names(&self, source: &Source) -> Result<(), Failure> {
+        let Ok((formula, _)) = Formula::parse(source) else { return Ok(()) };
+        let is_unknown = |given: &&NamedAssignment| {
+            given.target == AssignmentTarget::Scene && formula.parameter_named(&given.parameter).is_none()
+        };
+        let Some(given) = self.settings.iter().find(is_unknown) else { return Ok(()) };
+        // Those of the formula itself first.
+        let (predefined, own): (Vec<ParameterId>, Vec<ParameterId>) =
+            formula.parameter_ids().partition(|id| formula.parameter(*id).predefined.is_some());
+        let names: Vec<&str> = own.into_iter().chain(predefined).map(|id| formula.parameter(id).name.as_str()).collect();
+        let hint = match nearest(&given.parameter, names.iter().copied()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("its parameters are {}", names.join(", ")),
+        };
+        let error = Diagnostic::error(format!("--set {given}: `{}` is not a parameter of the formula", given.parameter));
+        Err(Failure::CommandLine(error.help(hint)))
     }
 
     /// Opens the project of a request, with what the options add to it.
@@ -291,6 +313,27 @@ pub(super) fn owned(mut given: NamedAssignment, source: &Source) -> NamedAssignm
         given.target = AssignmentTarget::All;
     }
     given
+}
+
+/// A value that was given, as it is used: within its range, and as invariants have it. None where numbers do not say
+/// it.
+fn used_value(project: &Project, [body, light]: [Option<OwnerId>; 2], given: &NamedAssignment) -> Option<String> {
+    let formula = &project.subject.formula;
+    let id = formula.parameter_named(&given.parameter)?;
+    let owner = match formula.parameter(id).owner {
+        Owner::Global => OwnerId::Global,
+        Owner::Body => body?,
+        Owner::Light => light?,
+    };
+    if !matches!(formula.parameter(id).ty, Type::Scalar | Type::Vector) || !formula.parameter(id).choices.is_empty() {
+        return None;
+    }
+    let numbers: Vec<String> = project.values.get(owner, id).iter().map(ToString::to_string).collect();
+    let name = &formula.parameter(id).name;
+    match numbers.as_slice() {
+        [number] => Some(format!("{name}={number}")),
+        numbers => Some(format!("{name}=<{}>", numbers.join(","))),
+    }
 }
 
 /// The name of a file without folder and suffix, or of a built-in one.

@@ -11,7 +11,9 @@ use illuminator::files::{reason, replace_file};
 use illuminator::instrument::direction::STEEPEST;
 use illuminator::instrument::view::{Component, InstrumentView, NamedModel, Shown, VIEWS, ViewChoice, ViewSettings};
 use illuminator::lang::diagnostic::Diagnostic;
+use illuminator::lang::memory_size::MemorySize;
 use illuminator::plot::{Chart, ChartFormat, ChartTheme};
+use illuminator::trace::usable_memory;
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -55,7 +57,7 @@ pub(super) struct Options {
     /// The BRDF, or the value of the formula for white light, which is π · BRDF · cos θ [default: brdf]
     #[arg(long, value_name = "NAME", value_parser = named(Shown::ALL.map(|(name, _)| name)))]
     quantity: Option<String>,
-    /// From where a lobe is seen: azimuth from the light's, and elevation, in degrees [default: 115,26]
+    /// From where a lobe is seen: azimuth from the light's, and elevation from 5 to 90, in degrees [default: 115,26]
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = seen_from, allow_hyphen_values = true)]
     seen_from: Option<SeenFrom>,
     /// Size in pixels, each side 160 to 8192 [default: 800x600]
@@ -209,6 +211,14 @@ fn write(options: &Options, format: ChartFormat, chart: &Chart) -> Result<(), Fa
     let ChartSize(size) = options.size.unwrap_or(ChartSize(USUAL_SIZE));
     let theme = if options.dark { ChartTheme::Dark } else { ChartTheme::Light };
     let path = &options.output;
+    let needed = format.memory(chart, size);
+    let allowed = options.model.machine.memory.unwrap_or_else(usable_memory);
+    if needed > allowed {
+        let ([width, height], needed, allowed) = (size, MemorySize(needed), MemorySize(allowed));
+        let message = format!("a chart of {width}×{height} pixels takes {needed} of memory, and {allowed} may be used");
+        let help = "`--memory SIZE` allows more, and `--size WxH` makes the chart smaller";
+        return Err(Failure::Input(Diagnostic::error(message).help(help)));
+    }
     let bytes = format.bytes(chart, size, theme).map_err(Failure::input)?;
     if path == Path::new("-") {
         return print_bytes(&bytes);

@@ -19,7 +19,7 @@ pub struct GreatestAlbedo {
     pub component: usize,
     /// Polar angle and azimuth of the fixed direction, in degrees.
     pub angles: [f64; 2],
-    /// The polar angles from which and to which the share is above 1, in degrees, at this azimuth; none if it is nowhere.
+    /// The polar angles in degrees from which and to which the share is above 1 at this azimuth; none if nowhere.
     pub above_one: Option<[f64; 2]>,
 }
 

@@ -5,8 +5,8 @@
 //! round the cells with the largest errors are halved along that side, and the points of all new cells are evaluated
 //! together. A lobe may be so narrow that no point of the first cells sees it. So cells at the places where lobes are
 //! known to be (the mirror direction and the direction of the light itself, the normal, the horizon) are halved first,
-//! whatever they say. So are cells at the narrow tops that a [scan](super::peaks) finds. Its estimate of the integral also
-//! tells if cells missed something: then all of them are halved.
+//! whatever they say. So are cells at the narrow tops that a [scan](super::peaks) finds. Its estimate of the integral
+//! also tells if cells missed something: then all of them are halved.
 
 use crate::instrument::direction::{STEEPEST, angles, direction, pair};
 use crate::instrument::peaks::{HemisphereScan, NarrowPeak, scan};
@@ -79,7 +79,9 @@ const MIRROR_SIZE: f64 = 4e-4;
 const PLACE_SIZE: f64 = 4e-3;
 /// And along the plane of incidence.
 const PLANE_SIZE: f64 = 0.06;
-/// All cells are halved until they are this small if something was missed.
+/// A smooth model takes at most this many rounds.
+const SMOOTH_ROUNDS: u32 = 4;
+/// All cells are halved until they are this small if something was missed, or may have been.
 const FINE_SIZE: f64 = 0.07;
 /// Smaller cells are not halved, because directions have 24 bits.
 const LEAST_SIZE: f64 = 2e-6;
@@ -214,7 +216,9 @@ pub fn integrate_with(
     let mut done: Vec<SkyCell> = Vec::new();
     let mut result = HemisphereIntegral { value: [0.0; 3], error: 0.0, is_accurate: false, evaluations: 0, not_finite: None };
     let mut may_halve_all = true;
+    let mut rounds = 0;
     loop {
+        rounds += 1;
         evaluate(model, over, fixed, &mut waiting, &mut result);
         done.append(&mut waiting);
         // Cells are always summed in the same order, from small to large errors.
@@ -223,12 +227,15 @@ pub fn integrate_with(
         result.error = done.iter().map(|cell| cell.error).sum();
         let goal = care.accuracy * result.value.iter().fold(1.0_f64, |scale, value| scale.max(value.abs()));
         let missed = missed(&result.value, &scanned).filter(|missed| *missed > goal);
-        result.is_accurate = result.error <= goal && missed.is_none();
+        // A model that is not smooth may have steps between the points of cells whose errors seem to be small.
+        let is_in_doubt = missed.is_some() || care.refines_places && rounds > SMOOTH_ROUNDS;
+        let halves_all = result.error <= goal && is_in_doubt && may_halve_all;
+        result.is_accurate = result.error <= goal && missed.is_none() && !halves_all;
         if result.is_accurate || result.evaluations >= care.evaluations {
             result.error = result.error.max(missed.unwrap_or(0.0));
             return result;
         }
-        if result.error <= goal && may_halve_all {
+        if halves_all {
             may_halve_all = false;
             let (large, small) = done.into_iter().partition(|cell| cell.size() > FINE_SIZE);
             done = small;

@@ -99,8 +99,8 @@ fn turned(pair: &DirectionPair, turn: f64) -> DirectionPair {
     moved(pair, |direction| turn * direction)
 }
 
-/// Where the BRDF of pairs and of the same pairs in another way differs most, relative to the greater value. `way` makes
-/// the other pair of one with this number.
+/// Where the BRDF of pairs and of the same pairs in another way differs most, relative to the greater value. `way`
+/// makes the other pair of one with this number.
 fn largest_difference(
     model: &dyn Reflectance,
     [pairs, others]: [&[DirectionPair]; 2],

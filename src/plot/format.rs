@@ -3,6 +3,7 @@
 use crate::picture::{Format, bitmap_file_bytes};
 use crate::plot::chart::Chart;
 use crate::plot::raster::painted;
+use crate::plot::solid::buffer_memory;
 use crate::plot::svg::svg;
 use crate::plot::theme::ChartTheme;
 use std::path::Path;
@@ -49,6 +50,25 @@ impl ChartFormat {
     pub fn of(path: &Path) -> Option<Self> {
         let suffix = path.extension()?;
         Self::ALL.into_iter().find(|format| suffix.eq_ignore_ascii_case(format.suffix()))
+    }
+
+    /// How much memory a file of a chart of this many pixels takes while it is made, in bytes. It counts what grows with
+    /// the pixels.
+    pub fn memory(self, chart: &Chart, [width, height]: [u32; 2]) -> u64 {
+        /// A canvas of four bytes, a picture of three that may have room for twice as many, and the file.
+        const PAINTED: u64 = 16;
+        /// A picture in a figure, and a canvas to fit it into its place.
+        const PICTURE: u64 = 10;
+        /// The same as a file, in the letters of SVG.
+        const WRITTEN: u64 = 15;
+        let pixels = u64::from(width) * u64::from(height);
+        let of_lobes = if matches!(chart, Chart::Lobe(_)) { buffer_memory(pixels) + PICTURE * pixels } else { 0 };
+        match self {
+            ChartFormat::Csv => 0,
+            ChartFormat::Svg if of_lobes > 0 => of_lobes + WRITTEN * pixels,
+            ChartFormat::Svg => 0,
+            ChartFormat::Png => of_lobes + PAINTED * pixels,
+        }
     }
 
     /// The bytes of a file of a chart, of this many pixels.

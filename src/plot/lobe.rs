@@ -119,7 +119,7 @@ impl LobeChart {
         let surfaces: Vec<Vec<DVec3>> = self.lobes.iter().map(|lobe| lobe.corners(&place)).collect();
         let widest = surfaces.iter().flatten().map(|at| at.truncate().length()).fold(0.0, f64::max);
         let rim = (1.15 * widest).clamp(0.5, 1.12);
-        let all_around = (0..72).map(|step| direction(90.0, 5.0 * f64::from(step)) * rim);
+        let all_around = (0..72).map(|step| direction(90.0, 5.0 * f64::from(step)) * (rim + 0.1));
         let arrows = self.lobes.iter().map(|lobe| direction(lobe.light[0], lobe.light[1]) * (ARROW + 0.02));
         let points: Vec<DVec3> =
             surfaces.iter().flatten().copied().chain(all_around).chain(arrows).chain([DVec3::Z * NORMAL]).collect();
@@ -145,9 +145,15 @@ impl LobeChart {
                     );
                 }
             }
+            for (azimuth, name) in [(0.0, "T"), (90.0, "B")] {
+                let [x, y] = picture.share(direction(90.0, azimuth) * (rim + 0.07));
+                let (size, colour) = (label, sheet.theme.text());
+                let at = [area.left + x * area.width, area.top + y * area.height + 0.35 * label];
+                sheet.figure.text(name, at, Anchor::Middle, (size, colour));
+            }
             caption(&mut sheet, &area, &lobe.name);
         }
-        let text = format!("rings: {}; the arrow is the light", self.radius.full_title());
+        let text = format!("rings: {}; the arrow is the light; T and B: tangent and bitangent", self.radius.full_title());
         let at = [sheet.area.left + 0.5 * sheet.area.width, sheet.area.bottom() - 0.6 * label];
         sheet.label(text, at, Anchor::Middle);
         sheet.figure

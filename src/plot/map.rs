@@ -38,7 +38,7 @@ pub struct MapChart {
     pub heading: ChartHeading,
     /// The axes, to the right and upwards. None for a picture of a thing.
     pub axes: Option<[ChartAxis; 2]>,
-    /// What the numbers are. Colours have no bar.
+    /// What the numbers are. Colours have no bar, but the title is part of the names of their columns.
     pub bar: ChartAxis,
     /// The pictures.
     pub panels: Vec<MapPanel>,
@@ -132,7 +132,11 @@ impl MapChart {
             let name = |what: &str| if panel.name.is_empty() { what.to_owned() } else { format!("{} {what}", panel.name) };
             match panel.values {
                 MapValues::Numbers(_) => columns.push(name(&self.bar.full_title())),
-                MapValues::Colours(_) => columns.extend(["red", "green", "blue"].map(name)),
+                MapValues::Colours(_) if self.bar.title.is_empty() => columns.extend(["red", "green", "blue"].map(name)),
+                MapValues::Colours(_) => {
+                    let of_bar = |component: &str| name(&format!("{component}, {}", self.bar.full_title()));
+                    columns.extend(["red", "green", "blue"].map(of_bar));
+                }
             }
         }
         let [columns_of_pixels, rows_of_pixels] = self.panels.first().map_or([0; 2], |panel| panel.size);

@@ -38,4 +38,4 @@ pub use number_table::NumberTable;
 pub use polar::PolarChart;
 pub use raster::painted;
 pub use svg::svg;
-pub use theme::ChartTheme;
+pub use theme::{CURVE_COLOURS, ChartTheme};

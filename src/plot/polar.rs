@@ -90,6 +90,11 @@ impl PolarChart {
                 sheet.figure.line(disc.arc(share), Stroke::solid(colour, unit));
             }
         }
+        // Values may be negative: then 0 is a circle, and not the middle.
+        let zero = disc.axis.place(0.0);
+        if !self.radius.is_log && zero > 0.01 && zero < 0.99 {
+            sheet.figure.line(disc.arc(zero), Stroke::solid(theme.muted(), 1.6 * unit));
+        }
         let mut rim = disc.arc(1.0);
         rim.extend([disc.at(-90.0, 1.0)]);
         sheet.figure.line(rim, Stroke::solid(theme.frame(), unit));

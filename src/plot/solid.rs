@@ -5,8 +5,23 @@ use crate::plot::colours::mixed;
 use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
-/// Pixels of the buffer for each pixel of the picture, along each side.
+/// Pixels of the buffer for each pixel of the picture, along each side, if it is not too large then.
 const FINENESS: u32 = 2;
+/// The most pixels of the buffer, if one for each pixel of the picture is not more.
+const MOST_PIXELS: u64 = 40_000_000;
+/// Bytes for each pixel of the buffer: a depth and a colour.
+const PIXEL_BYTES: u64 = 7;
+
+/// Pixels of the buffer for each pixel of a picture of this size, along each side.
+fn fineness([width, height]: [u32; 2]) -> u32 {
+    let fits = |fineness: &u32| u64::from(width) * u64::from(height) * u64::from(fineness * fineness) <= MOST_PIXELS;
+    (2..=FINENESS).rev().find(fits).unwrap_or(1)
+}
+
+/// The most memory that the buffer of a picture of at most this many pixels takes, in bytes.
+pub(super) fn buffer_memory(pixels: u64) -> u64 {
+    (pixels * u64::from(FINENESS * FINENESS)).min(MOST_PIXELS.max(pixels)) * PIXEL_BYTES
+}
 
 /// A corner of a triangle.
 #[derive(Debug, Clone, Copy)]
@@ -20,6 +35,7 @@ pub(super) struct SolidCorner {
 
 /// A picture in work.
 pub(super) struct SolidPicture {
+    fineness: u32,
     size: [u32; 2],
     /// To the coordinates of the viewer: right, up, and towards the viewer.
     turn: DMat3,
@@ -103,7 +119,8 @@ fn shaded(normal: DVec3, colour: [u8; 3]) -> [u8; 3] {
 impl SolidPicture {
     /// An empty picture of `size` pixels, in which these points have room.
     pub(super) fn new(size: [u32; 2], turn: DMat3, points: &[DVec3], paper: [u8; 3]) -> Self {
-        let size = size.map(|side| side * FINENESS);
+        let fineness = fineness(size);
+        let size = size.map(|side| side * fineness);
         let count = size[0] as usize * size[1] as usize;
         let seen = points.iter().map(|point| (turn * *point).truncate());
         let bounds = |(low, high): (DVec2, DVec2), at: DVec2| (low.min(at), high.max(at));
@@ -113,6 +130,7 @@ impl SolidPicture {
         let scale = (f64::from(size[0]) / room.x).min(f64::from(size[1]) / room.y);
         let middle = if low.is_finite() { 0.5 * (low + high) } else { DVec2::ZERO };
         Self {
+            fineness,
             size,
             turn,
             middle,
@@ -215,17 +233,18 @@ impl SolidPicture {
     /// The picture.
     pub(super) fn bitmap(&mut self) -> Bitmap {
         self.draw_waiting();
-        let size = self.size.map(|side| side / FINENESS);
+        let fineness = self.fineness;
+        let size = self.size.map(|side| side / fineness);
         let mut bytes = Vec::with_capacity(3 * size[0] as usize * size[1] as usize);
         for row in 0..size[1] {
             for column in 0..size[0] {
                 let mut sums = [0_u32; 3];
-                for within in 0..FINENESS * FINENESS {
-                    let (x, y) = (column * FINENESS + within % FINENESS, row * FINENESS + within / FINENESS);
+                for within in 0..fineness * fineness {
+                    let (x, y) = (column * fineness + within % fineness, row * fineness + within / fineness);
                     let colour = self.colours[y as usize * self.size[0] as usize + x as usize];
                     sums.iter_mut().zip(colour).for_each(|(sum, component)| *sum += u32::from(component));
                 }
-                let count = FINENESS * FINENESS;
+                let count = fineness * fineness;
                 // A mean of bytes is one.
                 bytes.extend(sums.map(|sum| ((sum + count / 2) / count) as u8));
             }

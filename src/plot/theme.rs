@@ -17,6 +17,9 @@ const CURVES: [[[u8; 3]; 7]; 2] = [
     [[86, 180, 233], [240, 130, 60], [40, 190, 150], [220, 150, 190], [240, 228, 66], [120, 150, 240], [190, 190, 190]],
 ];
 
+/// How many curves have colours that differ, and differ from those of what stands beside curves.
+pub const CURVE_COLOURS: usize = 6;
+
 impl ChartTheme {
     fn pick<T>(self, light: T, dark: T) -> T {
         match self {

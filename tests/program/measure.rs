@@ -118,13 +118,102 @@ fn what_cannot_be_told_is_not_told() {
     write(&folder, "none.formula", "formula; = IL*sqrt(-1 - N.L);");
     let found = measured(folder.path(), "none.formula");
     assert_eq!((&found["conserves_energy"], &found["smallest"]), (&Value::Null, &Value::Null));
+    assert_eq!(found["not_finite"]["light"].as_array().map(Vec::len), Some(2));
+    let said = told(folder.path(), "plot none.formula --view furnace -o none.svg");
+    assert_eq!(said, "exit status 0\n");
+    let chart = std::fs::read_to_string(folder.path().join("none.svg")).expect("a chart");
+    assert!(chart.contains("the ball has no finite value"));
     let said = told(folder.path(), "measure none.formula");
     assert!(said.contains("energy        unknown: there is no finite value"), "{said}");
     // Half of the directions reflect everything, in stripes that are too narrow to be integrated.
     write(&folder, "stripes.formula", "formula; = IL*if(fract(999*getx(V)) < 0.5, 1, 0)*max(0, N.L);");
     let said = told(folder.path(), "measure stripes.formula");
     assert!(said.contains("ACCURACY      low: shares may be wrong by "), "{said}");
+    assert!(said.contains("conserved: about 0.5") && said.contains(" ± 0.") && said.contains("in a furnace       ±"), "{said}");
     write(&folder, "huge.formula", "formula; = IL*1e38*max(0, N.L);");
     let said = told(folder.path(), "measure huge.formula");
     assert!(said.contains("NOT conserved: 1.000e38 of the light"), "{said}");
+}
+
+/// The axis of lobes in the following formulas, and the cosine of its angle from the normal.
+const AXIS: &str = "A = normalize(0.3*T + 0.8*B + N);";
+const AXIS_COSINE: f64 = 0.760_286;
+/// Its polar angle and azimuth in degrees.
+const AXIS_ANGLES: [f64; 2] = [40.511, 69.444];
+
+#[test]
+fn lobes_at_any_azimuth_are_found() {
+    let folder = folder();
+    for exponent in [50.0, 400.0] {
+        let text =
+            format!("formula; {AXIS} = IL*<0.9*({exponent}+1)*max(0, A.V)^{exponent}*max(0, A.L)^{exponent}>*max(0, N.L);");
+        write(&folder, "lobe.formula", &text);
+        let found = measured(folder.path(), "lobe.formula");
+        // At the axis: c/π ∫ (A.V)ⁿ N.V dω = 2 c (A.N)/(n + 2), with c = 0.9 (n + 1).
+        let wanted = 1.8 * (exponent + 1.0) * AXIS_COSINE / (exponent + 2.0);
+        near(&found["greatest_albedo"]["share"], wanted, 2e-3);
+        near(&found["greatest_albedo"]["theta"], AXIS_ANGLES[0], 0.3);
+        near(&found["greatest_albedo"]["phi"], AXIS_ANGLES[1], 0.5);
+        assert_eq!((&found["conserves_energy"], &found["is_reciprocal"]), (&false.into(), &true.into()));
+        // Above 1 where (A.L)ⁿ is above 1/wanted; along this azimuth, that is as far on both sides.
+        let away = wanted.powf(-1.0 / exponent).acos().to_degrees();
+        near(&found["greatest_albedo"]["above_one_from"], AXIS_ANGLES[0] - away, 0.4);
+        near(&found["greatest_albedo"]["above_one_to"], AXIS_ANGLES[0] + away, 0.4);
+    }
+    // A lobe around the axis for the viewer alone: in a furnace, 1.3 (A.V)ⁿ.
+    write(&folder, "fixed.formula", &format!("formula; {AXIS} = IL*<1.3*max(0, A.V)^200>*max(0, N.L);"));
+    let found = measured(folder.path(), "fixed.formula");
+    near(&found["greatest_in_furnace"]["share"], 1.3, 2e-3);
+    near(&found["greatest_albedo"]["share"], 2.6 * AXIS_COSINE / 202.0, 5e-4);
+    let said = told(folder.path(), "measure fixed.formula");
+    assert!(said.contains("at azimuth 0°") && said.contains("the same at azimuth "), "{said}");
+}
+
+#[test]
+fn patterns_over_the_azimuth_are_found() {
+    let folder = folder();
+    for waves in [4.0, 12.0] {
+        write(&folder, "waves.formula", &format!("formula; = IL*<0.7 + 0.35*sin({waves}*atan2(L.B, L.T))>*max(0, N.L);"));
+        let found = measured(folder.path(), "waves.formula");
+        near(&found["greatest_albedo"]["share"], 1.05, 1e-3);
+        near(&found["greatest_in_furnace"]["share"], 0.7, 1e-3);
+        assert_eq!((&found["conserves_energy"], &found["depends_on_azimuth"]), (&false.into(), &true.into()));
+        let rows = found["albedo"].as_array().expect("rows");
+        assert_eq!(rows.len(), 22);
+        // sin is 1 at a quarter of each wave.
+        let phi = rows[15]["phi"].as_f64().expect("an angle");
+        assert!((phi * waves / 360.0 - 0.25).rem_euclid(1.0).min((0.25 - phi * waves / 360.0).rem_euclid(1.0)) < 0.03, "{phi}");
+        near(&rows[15]["beam"][0], 1.05, 3e-3);
+        near(&rows[4]["beam"][0], 0.7, 1e-3);
+    }
+    // A woven surface, reciprocal: the share is 1.4 w(L) times the mean of w, which is 0.7.
+    let text = "formula; w(d) = 0.7 + 0.35*sin(4*atan2(d.B, d.T)); = IL*<1.4*w(L)*w(V)>*max(0, N.L);";
+    write(&folder, "woven.formula", text);
+    let found = measured(folder.path(), "woven.formula");
+    near(&found["greatest_albedo"]["share"], 1.4 * 1.05 * 0.7, 2e-3);
+    assert_eq!((&found["conserves_energy"], &found["is_reciprocal"]), (&false.into(), &true.into()));
+}
+
+#[test]
+fn narrow_features_are_found() {
+    let folder = folder();
+    write(&folder, "band.formula", "formula; = IL*<if(N.L > 0.78 && N.L < 0.8, 1.2, 0.2)>*max(0, N.L);");
+    let found = measured(folder.path(), "band.formula");
+    near(&found["greatest_albedo"]["share"], 1.2, 1e-3);
+    near(&found["greatest_albedo"]["above_one_from"], 0.8_f64.acos().to_degrees(), 0.2);
+    near(&found["greatest_albedo"]["above_one_to"], 0.78_f64.acos().to_degrees(), 0.2);
+    // In a furnace: 0.2, and 1 more on the ring: 0.8² − 0.78².
+    near(&found["greatest_in_furnace"]["share"], 0.2 + 0.64 - 0.6084, 2e-3);
+    assert_eq!((&found["conserves_energy"], &found["is_reciprocal"]), (&false.into(), &false.into()));
+    let said = told(folder.path(), "measure band.formula");
+    assert!(said.contains("above 1 from 36.") && said.contains("° to 38."), "{said}");
+    // ∫ exp(−k (1 − A.V)) N.V dω = 2π (A.N)/k, as k is large.
+    write(&folder, "needle.formula", &format!("formula; {AXIS} = IL*<1.05*5e4*exp(-1e5*(1 - A.V))/(A.N)>*max(0, N.L);"));
+    let found = measured(folder.path(), "needle.formula");
+    // Single precision has seven digits of 1 − A.V.
+    near(&found["greatest_albedo"]["share"], 1.05, 5e-3);
+    assert_eq!((&found["conserves_energy"], &found["depends_on_azimuth"]), (&false.into(), &true.into()));
+    write(&folder, "gap.formula", "formula; = IL*<if(N.V > 0.601 && N.V < 0.602, sqrt(-1 - N.V), 0.5)>*max(0, N.L);");
+    let found = measured(folder.path(), "gap.formula");
+    near(&found["not_finite"]["view"][0], 0.6015_f64.acos().to_degrees(), 0.04);
 }

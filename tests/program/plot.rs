@@ -133,7 +133,9 @@ fn mistakes_are_explained() {
     says("model.txt --view polar --size 9x9 -o a.png", 2, &["each side 160 to 8192"]);
     says("session.toml --body bal --view polar -o a.png", 2, &["there is no body `bal`", "did you mean `ball`?"]);
     says("session.toml --light sun --view polar -o a.png", 2, &["there is no light `sun`", "the names are key"]);
-    says("model.txt --set kx=1 --view polar -o a.png", 2, &["`kx` is not a parameter of the formula"]);
+    says("model.txt --set kx=1 --view polar -o a.png", 2, &["`kx` is not a parameter of the formula", "are kd, ks, h,"]);
+    says("model.txt --set kdd=1 --view polar -o a.png", 2, &["did you mean `kd`?"]);
+    says("model.txt --view lobe --size 8192x8192 --memory 300MiB -o a.png", 1, &["of memory, and 300.0 MiB may be used"]);
     says("wrong.formula --view polar -o a.png", 1, &["`Cb` is not known"]);
     says("none.formula --view polar -o a.png", 1, &["there is no such file"]);
     says("sub/place.txt --view polar -o a.png", 1, &["is a scene", "a model is a formula, a session"]);

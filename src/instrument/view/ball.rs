@@ -131,7 +131,8 @@ pub(super) fn furnace(models: &[NamedModel], settings: &ViewSettings) -> Chart {
         }
         panels.push(MapPanel { name, size: [SIDE; 2], values: MapValues::Colours(ball([FURNACE; 3], colours)) });
     }
-    Chart::Map(MapChart { heading, axes: None, bar: ChartAxis::default(), panels })
+    let bar = ChartAxis::numbers("half of the share", "", false);
+    Chart::Map(MapChart { heading, axes: None, bar, panels })
 }
 
 /// A ball under a distant light from the left above.

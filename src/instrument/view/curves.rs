@@ -4,7 +4,7 @@ use crate::instrument::albedo::{EQUAL, albedos};
 use crate::instrument::direction::{direction, pair};
 use crate::instrument::hemisphere::Integration;
 use crate::instrument::view::settings::{Component, ComponentPart, NamedModel, ViewSettings};
-use crate::plot::{CartesianChart, Chart, ChartAxis, Curve, Dashes, PolarChart, ReferenceLine, subscript};
+use crate::plot::{CURVE_COLOURS, CartesianChart, Chart, ChartAxis, Curve, Dashes, PolarChart, ReferenceLine, subscript};
 
 /// The polar angles of the light if none are given.
 const USUAL_POLAR: [f64; 3] = [0.0, 30.0, 60.0];
@@ -55,8 +55,9 @@ fn reflection_curves(models: &[NamedModel], polar: &[f64], settings: &ViewSettin
                 let is_colour_free = parts.len() == 1;
                 let (colour, dashes) = match own_colour.filter(|_| !is_colour_free) {
                     Some(colour) => (colour, index * models.len() + number),
-                    None if models.len() > 1 => (number, index),
-                    None => (index, 0),
+                    // More curves than colours differ by their dashes.
+                    None if models.len() > 1 => (number % CURVE_COLOURS, index + number / CURVE_COLOURS),
+                    None => (index % CURVE_COLOURS, index / CURVE_COLOURS),
                 };
                 curves.push(Curve {
                     name: words.collect::<Vec<_>>().join(", "),
@@ -96,7 +97,7 @@ pub(super) fn polar(models: &[NamedModel], settings: &ViewSettings) -> Chart {
     let [title, unit] = settings.shown.title();
     let curves = reflection_curves(models, &polar, settings);
     let by_angle = polar.len() > 1 && models.len() == 1 && settings.component != Some(Component::Each);
-    let colour_of = |index: usize| if by_angle { index } else { 6 };
+    let colour_of = |index: usize| if by_angle { index % CURVE_COLOURS } else { CURVE_COLOURS };
     Chart::Polar(PolarChart {
         heading: reflection_heading(models, &polar, settings),
         angle: ChartAxis::angles("outgoing angle", [-90.0, 90.0]),
@@ -157,8 +158,8 @@ pub(super) fn albedo(models: &[NamedModel], settings: &ViewSettings) -> Chart {
                 curves.push(Curve {
                     name: if name.is_empty() { "share of the light".to_owned() } else { name },
                     points: polar.iter().zip(values).map(|(polar, value)| [*polar, component(*value)]).collect(),
-                    colour: own_colour.filter(|_| models.len() == 1).unwrap_or(number),
-                    dashes: Dashes::ALL[side],
+                    colour: own_colour.filter(|_| models.len() == 1).unwrap_or(number % CURVE_COLOURS),
+                    dashes: Dashes::ALL[(side + 2 * (number / CURVE_COLOURS)) % Dashes::ALL.len()],
                 });
             }
         }
