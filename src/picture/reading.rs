@@ -40,6 +40,10 @@ pub fn read_linear(path: &Path, size: [u32; 2]) -> Result<Frame, ReadPictureErro
     Ok(Frame { width: size[0], height: size[1], linear: colours.to_vec() })
 }
 
+/// The most pixels of a picture that is read without knowing its size: a header may claim any. They take 768 MiB as
+/// linear numbers.
+const MOST_PIXELS: u64 = 1 << 26;
+
 /// A picture of any size that was read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReadPicture {
@@ -52,10 +56,14 @@ pub struct ReadPicture {
 /// Reads a picture of any size and of any format that can be written.
 ///
 /// # Errors
-/// There is none, or it cannot be read completely.
+/// There is none, it cannot be read completely, or it has more than 67 million pixels.
 pub fn read_picture(path: &Path) -> Result<ReadPicture, ReadPictureError> {
     let decoder = decoder(path, None)?;
     let (width, height) = decoder.dimensions();
+    if u64::from(width) * u64::from(height) > MOST_PIXELS {
+        let text = format!("it has {width}×{height} pixels, and pictures of more than {MOST_PIXELS} pixels are not read");
+        return Err(ReadPictureError::Unreadable(text));
+    }
     let numbers = DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgb32f().into_raw();
     let (colours, _) = numbers.as_chunks::<3>();
     let numbers = Frame { width, height, linear: colours.to_vec() };
@@ -176,5 +184,21 @@ mod tests {
             }
         }
         assert!(matches!(is_complete(folder.path(), [3, 2]), Err(ReadPictureError::Unreadable(_))));
+    }
+
+    #[test]
+    fn a_header_that_claims_too_many_pixels_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("huge.bmp");
+        // The headers of a file and of a bitmap: 54 bytes, then 40 as the size of the second one, 1 plane, 24 bits.
+        let mut bytes = b"BM".to_vec();
+        for number in [54_u32, 0, 54, 40, 20_000, 10_000] {
+            bytes.extend(number.to_le_bytes());
+        }
+        bytes.extend([1, 0, 24, 0]);
+        bytes.resize(54, 0);
+        std::fs::write(&path, &bytes).unwrap();
+        let error = read_picture(&path).unwrap_err().to_string();
+        assert!(error.contains("20000×10000 pixels"), "{error}");
     }
 }
