@@ -29,7 +29,7 @@ fn label(value: f64, step: f64) -> String {
     let value = if value.abs() < step * 1e-6 { 0.0 } else { value };
     let large = value.abs().max(step) >= 1e6 || (step < 1e-5 && step > 0.0);
     let text = if large {
-        format!("{value:e}")
+        exponential(value, step)
     } else {
         let digits = (-step.log10().floor()).clamp(0.0, 9.0) as usize;
         // Steps such as 0.25 have a digit more.
@@ -37,6 +37,21 @@ fn label(value: f64, step: f64) -> String {
         format!("{value:.*}", digits + more)
     };
     text.replace('-', "−")
+}
+
+/// A number with an exponent, with the digits that ticks this far apart ask for.
+fn exponential(value: f64, step: f64) -> String {
+    let decade = step.log10().floor();
+    let more = f64::from(u8::from((step / 10_f64.powf(decade)).fract().abs() > 1e-6));
+    let digits = (value.abs().log10().floor() - decade + more).clamp(0.0, 9.0) as usize;
+    let text = format!("{value:.digits$e}");
+    match text.split_once('e') {
+        Some((_, _)) if value == 0.0 => "0".to_owned(),
+        Some((mantissa, power)) if mantissa.contains('.') => {
+            format!("{}e{power}", mantissa.trim_end_matches('0').trim_end_matches('.'))
+        }
+        Some(_) | None => text,
+    }
 }
 
 /// The range of an axis of numbers: widened to whole steps.
@@ -104,7 +119,10 @@ mod tests {
         assert_eq!(labels(&linear([0.0, 1.0], 5.0, false)), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
         assert_eq!(labels(&linear([-0.5, 0.5], 4.0, false)), ["−0.50", "−0.25", "0.00", "0.25", "0.50"]);
         assert_eq!(labels(&linear([-90.0, 90.0], 7.0, true)), ["−90°", "−60°", "−30°", "0°", "30°", "60°", "90°"]);
-        assert_eq!(labels(&linear([0.0, 3e7], 3.0, false)), ["0e0", "1e7", "2e7", "3e7"]);
+        assert_eq!(labels(&linear([0.0, 3e7], 3.0, false)), ["0", "1e7", "2e7", "3e7"]);
+        assert_eq!(labels(&linear([0.0, 3e-6], 3.0, false)), ["0", "1e−6", "2e−6", "3e−6"]);
+        assert_eq!(labels(&linear([0.0, 5e-6], 3.0, false)), ["0", "2e−6", "4e−6"]);
+        assert_eq!(labels(&linear([0.0, 1e7], 4.0, false)), ["0", "2.5e6", "5e6", "7.5e6", "1e7"]);
         assert_eq!(labels(&logarithmic([1e-4, 100.0], 8.0)), ["10⁻⁴", "0.001", "0.01", "0.1", "1", "10", "100"]);
         assert_eq!(labels(&logarithmic([1e-6, 1e6], 6.0)), ["10⁻⁶", "10⁻⁴", "0.01", "1", "100", "10⁴", "10⁶"]);
         assert_eq!(logarithmic([1.0, 10.0], 5.0).len(), 10);
