@@ -11,6 +11,9 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 /// Beyond this angle to the normal, in degrees, measured data are not reliable (Ngan, Durand and Matusik 2005).
 pub const LARGEST_ANGLE: f64 = 80.0;
 
+/// How many pairs there are if nobody says.
+pub const USUAL_PAIRS: usize = 10_000;
+
 /// A pair of directions, and what it counts: the product of the solid angles of both, in steradians squared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WeightedPair {

@@ -6,8 +6,10 @@
 //! [`directions`] chooses where a measured material is compared, and [`metric`] how. [`request`] knows the values of a
 //! project, and makes the misfits for them.
 //!
-//! How the result is shown is not known here.
+//! [`words`] and [`charts`] say what came out. Where that is shown is not known here.
 
+#[cfg(feature = "plot")]
+pub mod charts;
 pub mod directions;
 pub mod metric;
 pub mod normal;
@@ -16,6 +18,7 @@ pub mod request;
 pub mod samples;
 pub mod solve;
 pub mod unknowns;
+pub mod words;
 
 use crate::fit::normal::NormalEquations;
 

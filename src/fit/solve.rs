@@ -81,6 +81,7 @@ pub fn solve(
         cancelled,
         starts: options.starts.max(1),
         best: Cell::new(before.root_mean_square()),
+        best_values: RefCell::new(start.clone()),
     };
     let mut starts: Vec<StartOutcome> = Vec::new();
     for index in 0..context.starts {
@@ -101,6 +102,10 @@ pub fn solve(
     if !cancelled.load(Ordering::Relaxed) {
         let finished = context.descend(unknowns.variables_exactly(&values), context.starts, FINE);
         values = finished.values;
+    }
+    if cancelled.load(Ordering::Relaxed) {
+        // A start that was given up ends at values that it was only trying.
+        values = context.best_values.take();
     }
     values = unknowns.settled(&values);
     let mut after = misfit.evaluate(&values);
@@ -151,7 +156,9 @@ struct Context<'c> {
     progress: &'c dyn Fn(FitProgress),
     cancelled: &'c AtomicBool,
     starts: u32,
+    /// The least residual so far, and the values that have it.
     best: Cell<f64>,
+    best_values: RefCell<Vec<f64>>,
 }
 
 impl Context<'_> {
@@ -205,6 +212,7 @@ impl VariableProblem<'_> {
         let residual = equations.root_mean_square();
         if residual < context.best.get() {
             context.best.set(residual);
+            *context.best_values.borrow_mut() = context.unknowns.values(self.variables.as_slice());
         }
         let own = (self.evaluations.get() as f64 / self.limit as f64).min(1.0);
         let share = (f64::from(self.index) + own) / f64::from(context.starts + 1);

@@ -258,3 +258,37 @@ fn a_cancelled_fit_keeps_the_values_at_hand() {
     let solution = solve(&misfit, &unknowns, FitOptions::default(), &|_| (), &AtomicBool::new(true));
     assert!(solution.cancelled && solution.values == unknowns.start(), "{solution:?}");
 }
+
+#[test]
+fn a_cancelled_fit_has_the_best_values_that_it_told_of() {
+    use std::cell::Cell;
+    use std::sync::atomic::Ordering;
+    // Without invariants, so that the end is where the search was.
+    let text = "body_specific; kd: scalar, constraint 0..1, default 0.6; ks: scalar, constraint 0..1, default 0.35;
+        h: scalar, constraint 1..500, default 60; formula; = kd*IL*max(0, N.L) + ks*IL*max(0, R.V)^h;";
+    let (formula, _) = Formula::parse(&Source::new("test", text)).unwrap();
+    let start = default_numbers(&formula);
+    let free = ["kd", "ks", "h"];
+    let free = free.map(|name| FreeParameter { parameter: formula.parameter_named(name).unwrap(), owner: 0, range: None });
+    let unknowns = Unknowns::new(&formula, &free, &|id, _| start[id.0 as usize]).unwrap();
+    let truth = numbers(&formula, &[("ks", &[0.6]), ("kd", &[0.2]), ("h", &[23.0])]);
+    let model = FormulaModel::new(Arc::new(ModelProgram::new(&formula)), truth, Place::default());
+    let samples = samples_of(&model, 300, LARGEST_ANGLE);
+    let place = Place::default();
+    let misfit = SampleMisfit::new(&formula, start.clone(), &place, unknowns.numbers(), &samples, METRICS[0]);
+    for most in 1..40 {
+        let (cancelled, count, told) = (AtomicBool::new(false), Cell::new(0), Cell::new(f64::INFINITY));
+        let tell = |progress: crate::fit::solve::FitProgress| {
+            // The last word comes after the end.
+            if count.get() < most {
+                count.set(count.get() + 1);
+                told.set(progress.residual);
+                cancelled.store(count.get() == most, Ordering::Relaxed);
+            }
+        };
+        let solution = solve(&misfit, &unknowns, FitOptions::default(), &tell, &cancelled);
+        if solution.cancelled {
+            assert!(solution.residuals[1] <= told.get() * (1.0 + 1e-9), "{most}: {} {solution:?}", told.get());
+        }
+    }
+}

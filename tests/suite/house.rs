@@ -62,7 +62,7 @@ const ROOMS: [(&str, &[&str]); 30] = [
             "picture",
         ],
     ),
-    ("fit", &["measured", "lang", "formula", "trace", "picture", "engine", "instrument", "sensitivity", "workspace"]),
+    ("fit", &["measured", "lang", "formula", "trace", "picture", "plot", "engine", "instrument", "sensitivity", "workspace"]),
     ("import", &["files", "lang", "mesh", "scene", "trace", "picture", "workspace"]),
     ("assist", &["lang", "formula", "scene", "workspace"]),
     // Settings name a backend, and the transfer of new sessions.
@@ -88,6 +88,7 @@ const ROOMS: [(&str, &[&str]); 30] = [
             "instrument",
             "sensitivity",
             "workspace",
+            "fit",
             "assist",
             "user_data",
         ],
