@@ -15,6 +15,7 @@ mod dialogs;
 mod drops;
 mod file_dialogs;
 mod files;
+mod fitting;
 mod focus_ring;
 mod gallery;
 mod hand;
@@ -84,6 +85,7 @@ use confirmation::Confirmation;
 use dialogs::Dialogs;
 use drops::DroppedFiles;
 use egui::{CentralPanel, Context, Frame, Id, Panel, Ui};
+use fitting::FittingPanel;
 use focus_ring::FocusRing;
 use gallery::Gallery;
 use hand::Hand;
@@ -149,6 +151,7 @@ pub struct App {
     settings_dialog: SettingsDialog,
     inspector: InspectorPanel,
     instruments: InstrumentPanel,
+    fitting: FittingPanel,
     sensitivity: SensitivityView,
     materials: MaterialRow,
     user_state: UserState,
@@ -235,6 +238,7 @@ impl App {
             settings_dialog: SettingsDialog::default(),
             inspector: InspectorPanel::default(),
             instruments: InstrumentPanel::new(user_state.settings.window.instruments, waker(&context)),
+            fitting: FittingPanel::new(waker(&context)),
             sensitivity: SensitivityView::new(waker(&context)),
             materials: MaterialRow::default(),
             drafts_written_at: 0.0,
@@ -356,7 +360,8 @@ impl App {
         self.autosave(ui);
     }
 
-    /// Draws the inspector and the instruments, below the picture. Keys do nothing while something `waits` for them.
+    /// Draws the inspector, the instruments and the panel for fits, below the picture. Keys do nothing while something
+    /// `waits` for them.
     fn below_picture_ui(&mut self, ui: &mut Ui, waits: bool, sizes: &mut PanelSizes, actions: &mut Vec<Action>) {
         self.follow_sensitivity(ui, waits);
         let of = self.parameter_of_interest();
@@ -366,6 +371,7 @@ impl App {
             self.instruments.look_at(place);
         }
         self.instruments_ui(ui, sizes, actions);
+        self.fitting_ui(ui, sizes);
     }
 
     /// Takes what the renderer and the background jobs have told since the last frame.

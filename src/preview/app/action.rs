@@ -72,6 +72,8 @@ pub enum Action {
     RestoreMaterial(Box<MaterialChange>),
     /// Show the dialog that saves the picture.
     ShowSavePictureDialog,
+    /// Fit values to the data in a file, measured reflectance or a picture, when the user begins the fit.
+    FitTo(PathBuf),
     /// Copy the picture in view to the clipboard.
     CopyPicture,
     /// Save the session to its file.
@@ -167,6 +169,8 @@ pub enum PanelId {
     Inspector,
     /// The instruments.
     Instruments,
+    /// The panel for fits.
+    Fitting,
 }
 
 /// Every shortcut of an action that is not on the scene.

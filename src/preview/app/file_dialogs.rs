@@ -26,6 +26,7 @@ enum Purpose {
     Save(Option<FileKind>),
     Measured,
     SaveChart,
+    FittingData,
 }
 
 /// The file dialog that is open, and the folder that was used last.
@@ -45,6 +46,9 @@ const MESHES: &str = "Meshes";
 
 /// The name of the filter for measured materials.
 const MEASURED: &str = "Measured materials";
+
+/// The name of the filter for what formulas are fitted to.
+const FITTING_DATA: &str = "Data and pictures";
 
 /// The format that is suggested for pictures.
 const PICTURE: Format = Format::Png;
@@ -110,6 +114,16 @@ impl FileDialogs {
         let mut dialog = dialog.add_file_filter_extensions(MEASURED, suffixes).default_file_filter(MEASURED);
         dialog.pick_file();
         self.shown = Some((dialog, Purpose::Measured));
+    }
+
+    /// Shows the dialog that chooses what a formula is fitted to. `near` is as for [`open`](Self::open).
+    pub(super) fn choose_fitting_data(&mut self, near: Option<&Path>) {
+        let dialog = dialog("Choose data to fit to", self.last_folder.as_deref().or(near));
+        let measured = measured::FORMATS.iter().flat_map(|format| format.suffixes.iter().copied());
+        let suffixes: Vec<&str> = measured.chain(Format::ALL.into_iter().map(Format::suffix)).collect();
+        let mut dialog = dialog.add_file_filter_extensions(FITTING_DATA, suffixes).default_file_filter(FITTING_DATA);
+        dialog.pick_file();
+        self.shown = Some((dialog, Purpose::FittingData));
     }
 
     /// Shows the dialog that saves a chart, with a suggested name.
@@ -192,6 +206,7 @@ impl FileDialogs {
                     actions,
                 );
             }
+            Purpose::FittingData => actions.push(Action::FitTo(path)),
             Purpose::Save(kind) if path.extension().is_some() => actions.push(Action::SaveTo(kind, path)),
             Purpose::Save(kind) => {
                 let suffix = kind.map_or(PICTURE.suffix(), FileKind::suffix);

@@ -95,6 +95,7 @@ impl App {
             Action::ShowSavePictureDialog => self.show_save_dialog(None, "Save picture"),
             Action::CopyPicture => self.copy_picture(),
             Action::Instruments(action) => self.perform_on_instruments(action),
+            Action::FitTo(path) => self.fitting.read(&path),
             Action::SaveSession => match self.session.clone() {
                 // What could not be read of a session would be lost in its own file.
                 Some(Location::File(path)) if self.mistakes.session_errors.is_none() => {
@@ -182,6 +183,7 @@ impl App {
             PanelId::Reference => &mut panels.reference,
             PanelId::Inspector => &mut self.inspector.open,
             PanelId::Instruments => &mut self.instruments.open,
+            PanelId::Fitting => &mut self.fitting.open,
         };
         *seen = !*seen;
         panels.texts |= panel == PanelId::Reference && panels.reference;

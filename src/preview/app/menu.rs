@@ -280,6 +280,7 @@ fn view(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         (PanelId::Reference, "Language reference", panels.reference),
         (PanelId::Inspector, "Pixel inspector", app.inspector.open),
         (PanelId::Instruments, "Instruments", app.instruments.open),
+        (PanelId::Fitting, "Fit to data", app.fitting.open),
     ] {
         check_entry(ui, seen, name, Action::TogglePanel(panel), actions);
     }

@@ -15,7 +15,7 @@ pub(super) fn remember(context: &Context, panel: Id, side: PanelSide, sizes: &mu
             side,
             match side {
                 PanelSide::Texts | PanelSide::Parameters => width,
-                PanelSide::Owners | PanelSide::Inspector | PanelSide::Instruments => height,
+                PanelSide::Owners | PanelSide::Inspector | PanelSide::Instruments | PanelSide::Fitting => height,
             },
         );
     }

@@ -12,6 +12,7 @@ mod comparing;
 mod drafts;
 mod drops;
 mod environments;
+mod fitting;
 mod focus;
 mod images;
 mod instruments;

@@ -15,12 +15,20 @@ pub enum PanelSide {
     Inspector,
     /// The height of the instruments.
     Instruments,
+    /// The height of the panel for fits.
+    Fitting,
 }
 
 impl PanelSide {
     /// Every side.
-    pub const ALL: [PanelSide; 5] =
-        [PanelSide::Texts, PanelSide::Parameters, PanelSide::Owners, PanelSide::Inspector, PanelSide::Instruments];
+    pub const ALL: [PanelSide; 6] = [
+        PanelSide::Texts,
+        PanelSide::Parameters,
+        PanelSide::Owners,
+        PanelSide::Inspector,
+        PanelSide::Instruments,
+        PanelSide::Fitting,
+    ];
 
     /// Its key in the file.
     pub fn key(self) -> &'static str {
@@ -30,6 +38,7 @@ impl PanelSide {
             PanelSide::Owners => "owners_height",
             PanelSide::Inspector => "inspector_height",
             PanelSide::Instruments => "instruments_height",
+            PanelSide::Fitting => "fitting_height",
         }
     }
 
@@ -46,6 +55,7 @@ impl PanelSide {
             PanelSide::Owners => 240.0,
             PanelSide::Inspector => 240.0,
             PanelSide::Instruments => 380.0,
+            PanelSide::Fitting => 320.0,
         }
     }
 }

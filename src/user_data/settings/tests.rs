@@ -322,7 +322,7 @@ fn two_programs_keep_each_others_changes() {
     other.save(&second).unwrap();
     let settings = SettingsFile::new(&folders).read().settings;
     assert_eq!((settings.depth, settings.window.theme, settings.window.log), (9, ThemeSetting::Dark, false));
-    assert_eq!(PanelSide::ALL.map(|side| settings.window.panels.get(side)), [500.0, 310.0, 99.0, 240.0, 380.0]);
+    assert_eq!(PanelSide::ALL.map(|side| settings.window.panels.get(side)), [500.0, 310.0, 99.0, 240.0, 380.0, 320.0]);
     assert_eq!(settings.defaults.of(Predefined::Reflection), [0.5]);
     assert_eq!(settings.defaults.of(Predefined::Refraction), [0.25]);
 }
