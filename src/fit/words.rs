@@ -31,8 +31,8 @@ pub fn bound(unknowns: &Unknowns, free: usize, value: f64) -> Option<&'static st
     is_free.then(|| unknowns.bound_at(free, value)).flatten().map(|bound| ["lower", "upper"][bound])
 }
 
-/// How exact a number is: the bound at which it stands, or its standard deviation, if it has one. `follows` says whether
-/// it follows from others.
+/// How exact a number is: the bound at which it stands, or its standard deviation, if it has one. `follows` says
+/// whether it follows from others.
 pub fn certainty(deviation: Option<f64>, follows: bool, at_bound: Option<&str>) -> String {
     match deviation {
         _ if at_bound.is_some() => format!("{} bound", at_bound.unwrap_or_default()),
@@ -48,8 +48,8 @@ pub fn certainty(deviation: Option<f64>, follows: bool, at_bound: Option<&str>) 
     }
 }
 
-/// What a group of names means that the data do not determine; a name alone is not determined at all. `is_stepwise` says
-/// whether it has an effect in steps.
+/// What a group of names means that the data do not determine; a name alone is not determined at all. `is_stepwise`
+/// says whether it has an effect in steps.
 pub fn undetermined(names: &[String], is_stepwise: bool) -> String {
     match names {
         [one] if is_stepwise => {
