@@ -1,7 +1,8 @@
 //! Where the share of the light is greatest, over all directions.
 //!
 //! Rough estimates over a fine, irregular grid say where to look, and so do the places where a survey found the model
-//! to be large. There the share is integrated with some care, and from the best places the search climbs in both angles.
+//! to be large. There the share is integrated with some care, and from the best places the search climbs in both
+//! angles.
 
 use crate::instrument::albedo::{ACCURACY, EQUAL, GreatestAlbedo, greatest_component};
 use crate::instrument::direction::{STEEPEST, angles, direction};

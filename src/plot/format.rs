@@ -52,8 +52,8 @@ impl ChartFormat {
         Self::ALL.into_iter().find(|format| suffix.eq_ignore_ascii_case(format.suffix()))
     }
 
-    /// How much memory a file of a chart of this many pixels takes while it is made, in bytes. It counts what grows with
-    /// the pixels.
+    /// How much memory a file of a chart of this many pixels takes while it is made, in bytes. It counts what grows
+    /// with the pixels.
     pub fn memory(self, chart: &Chart, [width, height]: [u32; 2]) -> u64 {
         /// A canvas of four bytes, a picture of three that may have room for twice as many, and the file.
         const PAINTED: u64 = 16;
