@@ -5,7 +5,7 @@
 //! round the cells with the largest errors are halved along that side, and the points of all new cells are evaluated
 //! together. A lobe may be so narrow that no point of the first cells sees it. So cells at the places where lobes are
 //! known to be (the mirror direction and the direction of the light itself, the normal, the horizon) are halved first,
-//! whatever they say. So are cells at the narrow tops that a [scan](super::peaks) finds. Its estimate of the integral
+//! whatever they say. So are cells at the narrow tops that a scan (`peaks`) finds. Its estimate of the integral
 //! also tells if cells missed something: then all of them are halved.
 
 use crate::instrument::direction::{STEEPEST, angles, direction, pair};
