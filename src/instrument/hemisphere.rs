@@ -275,7 +275,13 @@ fn scanned(model: &dyn Reflectance, over: Integration, [polar, azimuth]: [f64; 2
 
 /// The integrand for each steradian, for moving directions.
 pub(super) fn values_of(model: &dyn Reflectance, over: Integration, fixed: DVec3, moving: &[DVec3]) -> Vec<[f64; 3]> {
-    let pairs: Vec<DirectionPair> = moving.iter().map(|moving| over.pair(fixed, *moving)).collect();
+    let directions: Vec<[DVec3; 2]> = moving.iter().map(|moving| [fixed, *moving]).collect();
+    values_of_all(model, over, &directions)
+}
+
+/// The integrand for each steradian, for pairs of a fixed and a moving direction.
+pub(super) fn values_of_all(model: &dyn Reflectance, over: Integration, directions: &[[DVec3; 2]]) -> Vec<[f64; 3]> {
+    let pairs: Vec<DirectionPair> = directions.iter().map(|[fixed, moving]| over.pair(*fixed, *moving)).collect();
     let weighted = |(pair, value)| weighted(over, pair, value, over.cosine(pair));
     pairs.iter().zip(model.values(&pairs)).map(weighted).collect()
 }

@@ -7,6 +7,8 @@
 
 pub mod albedo;
 pub mod direction;
+#[cfg(feature = "plot")]
+mod draft;
 pub mod expressions;
 pub mod hemisphere;
 pub mod measured;

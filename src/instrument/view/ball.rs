@@ -2,6 +2,7 @@
 
 use crate::instrument::albedo::albedos;
 use crate::instrument::direction::{direction, pair};
+use crate::instrument::draft;
 use crate::instrument::hemisphere::Integration;
 use crate::instrument::survey::ModelSurvey;
 use crate::instrument::view::settings::{NamedModel, ViewSettings};
@@ -75,15 +76,24 @@ struct FurnaceTable {
 impl FurnaceTable {
     const LAST: f64 = 89.5;
 
-    fn new(model: &dyn Reflectance) -> Self {
+    fn new(model: &dyn Reflectance, is_draft: bool) -> Self {
+        if is_draft {
+            let steps = [12, 8];
+            let shares = draft::shares(model, Integration::OverLights, &Self::angles(steps));
+            return Self { steps, shares, is_known: true, has_odd: false };
+        }
         let survey = ModelSurvey::of(model);
         let steps = if survey.depends_on_azimuth { [18, 24] } else { [45, 1] };
-        let row = |row: usize| Self::LAST * row as f64 / steps[0] as f64;
-        let column = |column: usize| 360.0 * column as f64 / steps[1] as f64;
-        let angles: Vec<[f64; 2]> =
-            (0..=steps[0]).flat_map(|polar| (0..steps[1]).map(move |azimuth| [row(polar), column(azimuth)])).collect();
+        let angles = Self::angles(steps);
         let shares = albedos(model, Integration::OverLights, &angles).into_iter().map(|integral| integral.value).collect();
         Self { steps, shares, is_known: survey.least.is_some(), has_odd: survey.not_finite.is_some() }
+    }
+
+    /// Polar angles and azimuths of the table, row by row.
+    fn angles(steps: [usize; 2]) -> Vec<[f64; 2]> {
+        let row = |row: usize| Self::LAST * row as f64 / steps[0] as f64;
+        let column = |column: usize| 360.0 * column as f64 / steps[1] as f64;
+        (0..=steps[0]).flat_map(|polar| (0..steps[1]).map(move |azimuth| [row(polar), column(azimuth)])).collect()
     }
 
     /// The share that is seen from a direction in the frame of the surface.
@@ -107,7 +117,7 @@ pub(super) fn furnace(models: &[NamedModel], settings: &ViewSettings) -> Chart {
     let mut heading = settings.heading("White furnace: darker loses light, brighter makes light");
     let mut panels = Vec::new();
     for (number, model) in models.iter().enumerate() {
-        let table = FurnaceTable::new(model.model.as_ref());
+        let table = FurnaceTable::new(model.model.as_ref(), settings.is_draft);
         let ends = |[low, high]: [f64; 2], share: &f64| [low.min(*share), high.max(*share)];
         let [least, greatest] = table.shares.iter().flatten().fold([f64::INFINITY, f64::NEG_INFINITY], ends);
         let told = match (table.is_known, table.has_odd) {

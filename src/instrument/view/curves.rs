@@ -2,6 +2,7 @@
 
 use crate::instrument::albedo::{EQUAL, albedos};
 use crate::instrument::direction::{direction, pair};
+use crate::instrument::draft;
 use crate::instrument::hemisphere::Integration;
 use crate::instrument::view::settings::{Component, ComponentPart, NamedModel, ViewSettings};
 use crate::plot::{CURVE_COLOURS, CartesianChart, Chart, ChartAxis, Curve, Dashes, PolarChart, ReferenceLine, subscript};
@@ -121,25 +122,35 @@ pub(super) fn cartesian(models: &[NamedModel], settings: &ViewSettings) -> Chart
 }
 
 /// The incoming angles of the curve of shares.
-fn incoming() -> Vec<f64> {
+fn incoming(is_draft: bool) -> Vec<f64> {
+    if is_draft {
+        return (0..=11).map(|step| 7.5 * f64::from(step)).chain([86.0, 88.5, 89.9]).collect();
+    }
     let mut angles: Vec<f64> = (0..=35).map(|step| 2.5 * f64::from(step)).collect();
     angles.extend([88.5, 89.0, 89.5, 89.9]);
     angles
 }
 
+/// Shares of drafts that differ by less, relative to 1, are called equal.
+const DRAFT_EQUAL: f64 = 0.02;
+
 /// The share of the light that is reflected, over the incoming angle.
 pub(super) fn albedo(models: &[NamedModel], settings: &ViewSettings) -> Chart {
-    let polar = incoming();
+    let polar = incoming(settings.is_draft);
     let fixed: Vec<[f64; 2]> = polar.iter().map(|polar| [*polar, settings.light_azimuth]).collect();
     let shares = |model: &NamedModel, over: Integration| -> Vec<[f64; 3]> {
-        albedos(model.model.as_ref(), over, &fixed).into_iter().map(|integral| integral.value).collect()
+        match settings.is_draft {
+            true => draft::shares(model.model.as_ref(), over, &fixed),
+            false => albedos(model.model.as_ref(), over, &fixed).into_iter().map(|integral| integral.value).collect(),
+        }
     };
     let mut curves = Vec::new();
     for (number, model) in models.iter().enumerate() {
         let beam = shares(model, Integration::OverViews);
         let furnace = shares(model, Integration::OverLights);
+        let equal = if settings.is_draft { DRAFT_EQUAL } else { EQUAL };
         let differ =
-            |one: &[f64; 3], other: &[f64; 3]| one.iter().zip(other).any(|(one, other)| (one - other).abs() > 2.0 * EQUAL);
+            |one: &[f64; 3], other: &[f64; 3]| one.iter().zip(other).any(|(one, other)| (one - other).abs() > 2.0 * equal);
         let has_furnace = beam.iter().zip(&furnace).any(|(one, other)| differ(one, other));
         let is_grey = |[red, green, blue]: &[f64; 3]| (red - green).abs() < EQUAL && (green - blue).abs() < EQUAL;
         let all_grey = beam.iter().chain(&furnace).all(is_grey);

@@ -128,6 +128,8 @@ pub struct ViewSettings {
     pub shown: Shown,
     /// From where lobes are seen: azimuth from the light's, and elevation, in degrees.
     pub seen_from: [f64; 2],
+    /// Whether integrals are drafts, right to some percent: for charts that follow a slider.
+    pub is_draft: bool,
 }
 
 impl Default for ViewSettings {
@@ -142,6 +144,7 @@ impl Default for ViewSettings {
             component: None,
             shown: Shown::Brdf,
             seen_from: [115.0, 26.0],
+            is_draft: false,
         }
     }
 }

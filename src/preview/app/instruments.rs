@@ -87,6 +87,8 @@ pub(super) struct InstrumentPanel {
     overlays: Overlays,
     /// Grows when the models beside the formula change.
     overlays_version: u64,
+    /// Whether a slider is held, so that integrals are drafts.
+    is_moving: bool,
     sheets: LatestWorker<SheetRequest, DrawnChart>,
     asked: Option<SheetKey>,
     number: u64,
@@ -118,6 +120,7 @@ impl InstrumentPanel {
             subject: None,
             overlays: Overlays::default(),
             overlays_version: 0,
+            is_moving: false,
             sheets: LatestWorker::new(|request| DrawnChart::new(&request), move || wake()),
             asked: None,
             number: 0,
@@ -197,7 +200,8 @@ impl InstrumentPanel {
         let place = self.place.as_ref().map_or_else(Place::default, |place| place.place.clone());
         let numbers = workshop.reflection_numbers(self.body, self.light);
         let held = HeldFormula { compiled, numbers, place, keeps_pairs: false };
-        self.ask_verdict(&held, workshop.held().is_some());
+        self.is_moving = workshop.held().is_some();
+        self.ask_verdict(&held, self.is_moving);
         self.subject = Some(InstrumentSubject { held, formula: formula.to_owned(), about });
     }
 
@@ -295,16 +299,22 @@ impl InstrumentPanel {
     /// The models in their order: the formula first.
     fn models(&self) -> Vec<NamedModel> {
         let Some(subject) = &self.subject else { return Vec::new() };
-        // Integrals choose their pairs by the values, so they seldom ask for the same ones again.
-        let keeps_pairs = self.controls.view().lights != LightUse::Integrated;
+        // Integrals choose their pairs by the values, so they seldom ask for the same ones again; drafts do not.
+        let keeps_pairs = self.controls.view().lights != LightUse::Integrated || self.is_moving;
         let name = format!("{}, now", subject.formula);
         let now = NamedModel { name, model: Arc::new(HeldFormula { keeps_pairs, ..subject.held.clone() }) };
         std::iter::once(now).chain(self.overlays.named(keeps_pairs)).collect()
     }
 
+    /// What the present chart shows, and how.
+    fn settings(&self) -> ViewSettings {
+        let is_draft = self.is_moving && self.controls.view().lights == LightUse::Integrated;
+        ViewSettings { is_draft, ..self.controls.settings() }
+    }
+
     /// What the present chart is asked for.
     fn request(&self, size: [u32; 2], scale: f32, theme: ChartTheme) -> SheetRequest {
-        let settings = self.controls.settings();
+        let settings = self.settings();
         let (number, view) = (self.number, self.controls.view());
         SheetRequest { number, view, models: self.models(), settings, size, scale: f64::from(scale), theme }
     }
@@ -315,7 +325,7 @@ impl InstrumentPanel {
         let Some(subject) = &self.subject else { return };
         let key = SheetKey {
             view: self.controls.view().name,
-            settings: self.controls.settings(),
+            settings: self.settings(),
             size,
             scale,
             theme,

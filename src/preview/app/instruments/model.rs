@@ -1,12 +1,9 @@
-//! The models that the instruments look at: the formula with its values, and measured materials.
+//! The model that the instruments look at: the formula with its values.
 
 use crate::formula::Formula;
 use crate::instrument::model::{ModelProgram, ParameterNumbers, Place, PreparedPairs};
 use crate::instrument::{DirectionPair, Reflectance};
-use crate::measured::MeasuredMaterial;
-use glam::Vec3;
 use std::collections::VecDeque;
-use std::f64::consts::PI;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// How many lists of pairs are kept: those of one view, and of a second one.
@@ -88,18 +85,5 @@ impl Reflectance for HeldFormula {
         };
         let (colours, _) = numbers.as_chunks::<3>();
         colours.to_vec()
-    }
-}
-
-/// A measured material: π times its reflectance and the cosine of the light.
-pub(super) struct MeasuredReflectance(pub(super) Arc<MeasuredMaterial>);
-
-impl Reflectance for MeasuredReflectance {
-    fn values(&self, pairs: &[DirectionPair]) -> Vec<[f32; 3]> {
-        let value = |pair: &DirectionPair| {
-            let [light, view] = [pair.light, pair.view].map(|direction| Vec3::from(direction).as_dvec3());
-            (self.0.value(light, view) * PI * light.z.max(0.0)).as_vec3().to_array()
-        };
-        pairs.iter().map(value).collect()
     }
 }

@@ -4,7 +4,7 @@ use crate::instrument::view::NamedModel;
 use crate::lang::display_text::one_line;
 use crate::measured::MeasuredMaterial;
 use crate::plot::ChartTheme;
-use crate::preview::app::instruments::model::{HeldFormula, MeasuredReflectance};
+use crate::preview::app::instruments::model::HeldFormula;
 use egui::{Color32, Label, RichText, Sense, Ui, vec2};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -66,7 +66,7 @@ impl Overlays {
             name: overlay.name.clone(),
             model: match &overlay.content {
                 OverlayContent::Kept(held) => Arc::new(HeldFormula { keeps_pairs, ..(**held).clone() }),
-                OverlayContent::Measured(_, material) => Arc::new(MeasuredReflectance(Arc::clone(material))),
+                OverlayContent::Measured(_, material) => Arc::clone(material) as _,
             },
         })
     }
