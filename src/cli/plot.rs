@@ -171,6 +171,7 @@ fn settings(options: &Options, subtitle: String) -> ViewSettings {
         component: options.component.as_deref().and_then(chosen),
         shown: options.quantity.as_deref().and_then(quantity).unwrap_or(usual.shown),
         seen_from: options.seen_from.map_or(usual.seen_from, |SeenFrom(angles)| angles),
+        ..usual
     }
 }
 
