@@ -2,8 +2,8 @@
 //! for pairs of directions.
 //!
 //! [`model`] evaluates a formula, and its derivatives, for many pairs of directions at once. [`hemisphere`] integrates,
-//! [`survey`] looks at pairs all over, [`search`] finds the greatest share, and [`measurement`] says what there is to say
-//! about a model. [`view`] makes charts of it. Files are not known here.
+//! [`survey`] looks at pairs all over, [`search`] finds the greatest share, and [`measurement`] says what there is to
+//! say about a model. [`view`] makes charts of it. Files are not known here.
 
 pub mod albedo;
 pub mod direction;
