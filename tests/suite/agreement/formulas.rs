@@ -73,7 +73,9 @@ pub(super) fn expression(ty: Type, depth: u32, macros: bool) -> BoxedStrategy<St
     if depth == 0 || ty == Type::Texture {
         return leaves;
     }
-    let operations: Vec<Operation> = Operation::ALL.iter().copied().filter(|operation| operation.result() == ty).collect();
+    // Without a file, a measured material is 0. `measured` has formulas with files.
+    let is_tried = |operation: &Operation| operation.result() == ty && operation.form() != Form::Measured;
+    let operations: Vec<Operation> = Operation::ALL.iter().copied().filter(is_tried).collect();
     let applied = select(operations).prop_flat_map(move |operation| {
         let operands: Vec<BoxedStrategy<String>> =
             operation.operands().iter().map(|operand| expression(*operand, depth - 1, macros)).collect();
