@@ -19,6 +19,15 @@ fn percent(share: f64) -> String {
     format!("{:.decimals$} %", 100.0 * share)
 }
 
+/// Beyond this angle, in degrees, a direction is along the surface.
+const ALONG: f64 = 89.0;
+
+/// An angle, with more digits along the surface.
+fn degrees(angle: f64) -> String {
+    let decimals = if angle > ALONG { 2 } else { 0 };
+    format!("{angle:.decimals$}°")
+}
+
 /// Rounding makes numbers this small of either sign.
 const ROUNDING: f64 = -1e-6;
 
@@ -36,17 +45,20 @@ impl VerdictWords {
             EnergyVerdict::Conserves if best.share <= 0.0 => "Reflects no light".to_owned(),
             EnergyVerdict::Conserves => {
                 format!(
-                    "Conserves energy: at most {} of the{light} light is reflected (at {polar:.0}°{around})",
-                    percent(best.share)
+                    "Conserves energy: at most {} of the{light} light is reflected (at {}{around})",
+                    percent(best.share),
+                    degrees(polar)
                 )
             }
             EnergyVerdict::DoesNot(_) => {
                 let from = match best.above_one.map(|[from, _]| from) {
-                    Some(from) if from >= 0.5 => format!("; above 100 % from {from:.0}°"),
+                    Some(from) if from > ALONG => format!("; only along the surface, above 100 % from {}", degrees(from)),
+                    Some(from) if from >= 0.5 => format!("; above 100 % from {}", degrees(from)),
                     Some(_) => "; above 100 % from 0°".to_owned(),
                     None => String::new(),
                 };
-                format!("Gives out more{light} light than it gets: {} at {polar:.0}°{around}{from}", percent(best.share))
+                let (share, at) = (percent(best.share), degrees(polar));
+                format!("Gives out more{light} light than it gets: {share} at {at}{around}{from}")
             }
         };
         let is_negative = measured.least.is_some_and(|(least, _)| least < ROUNDING);
@@ -64,9 +76,9 @@ fn details(measured: &ModelMeasurement) -> String {
     let mut lines = Vec::new();
     let furnace = measured.furnace;
     lines.push(format!(
-        "In a white furnace it shows at most {} of the light, at {:.0}°.",
+        "In a white furnace it shows at most {} of the light, at {}.",
         percent(furnace.share),
-        furnace.angles[0]
+        degrees(furnace.angles[0])
     ));
     lines.push(match measured.reciprocity {
         _ if measured.is_reciprocal() => "It is reciprocal: light and viewer may change places.".to_owned(),
@@ -106,6 +118,7 @@ mod tests {
         assert!(more.text.starts_with("Gives out more green light than it gets: 150 % at "), "{}", more.text);
         assert!(more.is_warning && more.text.ends_with("above 100 % from 0°"), "{}", more.text);
         assert_eq!(of([0.0; 3]).text, "Reflects no light");
+        assert_eq!([89.94, 45.2].map(degrees), ["89.94°", "45°"]);
         let odd = of([f32::NAN; 3]);
         assert!(odd.is_warning && odd.text.ends_with("no number somewhere"), "{}", odd.text);
     }
