@@ -6,7 +6,7 @@ mod report;
 
 use crate::cli::engine::{self, on_threads};
 use crate::cli::input::load;
-use crate::cli::model::owned;
+use crate::cli::model::{owned, owner_named};
 use crate::cli::options::{InputOptions, PassOptions, read, whole};
 use crate::cli::output::{check_distinct, check_file};
 use crate::cli::progress::Progress;
@@ -22,14 +22,14 @@ use illuminator::fit::request::{self, FittedOwners, FreeName, FreeNameError};
 use illuminator::fit::samples::{FitSample, samples_of_material};
 use illuminator::fit::solve::{FitOptions, FitProgress, Solution, solve};
 use illuminator::fit::unknowns::Unknowns;
-use illuminator::lang::diagnostic::{Diagnostic, nearest};
+use illuminator::lang::diagnostic::Diagnostic;
 use illuminator::lang::display_text::one_line;
 use illuminator::lang::variables::Owner;
 use illuminator::measured::{MeasuredMaterial, Measurement};
 use illuminator::picture::{Format, Frame, read_picture};
 use illuminator::workspace::project::Project;
 use illuminator::workspace::session::Session;
-use illuminator::workspace::{FileKind, Location, OwnerId, Values};
+use illuminator::workspace::{FileKind, Location, Values};
 use report::FitReport;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -178,18 +178,9 @@ fn cancelled_by_signals() -> Arc<AtomicBool> {
 /// The body and the light that are fitted.
 fn owners(options: &Options, project: &Project) -> Result<FittedOwners, Failure> {
     let all = project.values.table().owners();
-    let of = |kind: Owner, noun: &str, wanted: &Option<String>| -> Result<Option<OwnerId>, Failure> {
-        let Some(name) = wanted else { return Ok(all.of_kind(kind).next()) };
-        let found = all.of_kind(kind).find(|owner| all.name(*owner) == Some(name.as_str()));
-        found.map(Some).ok_or_else(|| {
-            let names = all.of_kind(kind).filter_map(|owner| all.name(owner));
-            let near = nearest(name, names).map(|near| format!("did you mean `{near}`?"));
-            Failure::CommandLine(Diagnostic::error(format!("there is no {noun} `{name}`")).help_if(near))
-        })
-    };
-    let plain = || formula_alone(options).map(|_| PLAIN_BODY.to_owned());
-    let body = options.body.clone().or_else(plain);
-    Ok(FittedOwners { body: of(Owner::Body, "body", &body)?, light: of(Owner::Light, "light", &options.light)? })
+    let plain = formula_alone(options).map(|_| PLAIN_BODY);
+    let body = owner_named(all, Owner::Body, options.body.as_deref().or(plain))?;
+    Ok(FittedOwners { body, light: owner_named(all, Owner::Light, options.light.as_deref())? })
 }
 
 /// Reads what is fitted to. The picture of the project gets the size of a picture that is to be reached.

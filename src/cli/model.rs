@@ -22,7 +22,7 @@ use illuminator::workspace::assignment::AssignmentTarget;
 use illuminator::workspace::materials::MaterialAssignment;
 use illuminator::workspace::presets::{self, DEFAULT_SESSION};
 use illuminator::workspace::project::{Project, Request, SessionText};
-use illuminator::workspace::{FileKind, Location, NamedAssignment, OwnerId, Values};
+use illuminator::workspace::{FileKind, Location, NamedAssignment, OwnerId, Owners, Values};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -72,7 +72,7 @@ pub(super) struct ValuedFormula {
 impl ValuedFormula {
     /// The values of the parameters of the formula, of all that `values` has.
     pub(super) fn numbers(&self, values: &Values) -> ParameterNumbers {
-        numbers_of(&self.formula, values, self.owners)
+        values.of_surface(&self.formula, self.owners)
     }
 
     /// The formula with values.
@@ -226,19 +226,8 @@ impl ModelOptions {
     /// The body and the light whose values count, and their names.
     fn owners(&self, project: &Project) -> Result<([Option<OwnerId>; 2], String), Failure> {
         let owners = project.values.table().owners();
-        let of = |kind: Owner, noun: &str, wanted: &Option<String>| -> Result<Option<OwnerId>, Failure> {
-            let Some(name) = wanted else { return Ok(owners.of_kind(kind).next()) };
-            let found = owners.of_kind(kind).find(|owner| owners.name(*owner) == Some(name.as_str()));
-            found.map(Some).ok_or_else(|| {
-                let names: Vec<&str> = owners.of_kind(kind).filter_map(|owner| owners.name(owner)).collect();
-                let hint = match nearest(name, names.iter().copied()) {
-                    Some(near) => format!("did you mean `{near}`?"),
-                    None => format!("the names are {}", names.join(", ")),
-                };
-                Failure::CommandLine(Diagnostic::error(format!("there is no {noun} `{name}`")).help(hint))
-            })
-        };
-        let found = [of(Owner::Body, "body", &self.body)?, of(Owner::Light, "light", &self.light)?];
+        let found =
+            [owner_named(owners, Owner::Body, self.body.as_deref())?, owner_named(owners, Owner::Light, self.light.as_deref())?];
         let names: Vec<&str> = found.iter().flatten().filter_map(|owner| owners.name(*owner)).collect();
         Ok((found, names.join(" under ")))
     }
@@ -352,19 +341,16 @@ fn opened(project: Project, owners: [Option<OwnerId>; 2], name: String, describe
     OpenedModel { named: NamedModel { name, model }, described: one_line(&described), valued: Some(valued), files: project.files }
 }
 
-/// The values of all parameters for a body and a light. Where there is none, the values are the defaults.
-fn numbers_of(formula: &Formula, values: &Values, [body, light]: [Option<OwnerId>; 2]) -> ParameterNumbers {
-    let of_owner = |id: ParameterId| {
-        let owner = match formula.parameter(id).owner {
-            Owner::Global => Some(OwnerId::Global),
-            Owner::Body => body,
-            Owner::Light => light,
+/// The body or the light of this name, or the first one.
+pub(super) fn owner_named(owners: &Owners, kind: Owner, name: Option<&str>) -> Result<Option<OwnerId>, Failure> {
+    let Some(name) = name else { return Ok(owners.of_kind(kind).next()) };
+    let found = owners.of_kind(kind).find(|owner| owners.name(*owner) == Some(name));
+    found.map(Some).ok_or_else(|| {
+        let names: Vec<&str> = owners.of_kind(kind).filter_map(|owner| owners.name(owner)).collect();
+        let hint = match nearest(name, names.iter().copied()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("the names are {}", names.join(", ")),
         };
-        let own = owner.map_or(&formula.parameter(id).default[..], |owner| values.get(owner, id));
-        match own {
-            [red, green, blue] if formula.parameter(id).ty.slots() == 3 => [*red, *green, *blue],
-            own => [own.first().copied().unwrap_or_default(); 3],
-        }
-    };
-    formula.parameter_ids().map(of_owner).collect()
+        Failure::CommandLine(Diagnostic::error(format!("there is no {} `{name}`", kind.adjective())).help(hint))
+    })
 }

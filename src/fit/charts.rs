@@ -1,6 +1,6 @@
 //! Charts of a fit: the data beside the formula before and after.
 
-use crate::fit::request::{FittedOwners, difference, numbers};
+use crate::fit::request::{FittedOwners, difference};
 use crate::formula::Formula;
 use crate::instrument::Reflectance;
 use crate::instrument::model::{FormulaModel, ModelProgram, Place};
@@ -20,8 +20,8 @@ pub fn of_models(
     described: &str,
 ) -> Chart {
     let program = Arc::new(ModelProgram::new(formula));
-    let of = |name: &str, values| {
-        let numbers = numbers(formula, values, owners);
+    let of = |name: &str, values: &Values| {
+        let numbers = values.of_surface(formula, [owners.body, owners.light]);
         let model: Arc<dyn Reflectance> = Arc::new(FormulaModel::new(Arc::clone(&program), numbers, Place::default()));
         NamedModel { name: name.to_owned(), model }
     };

@@ -7,7 +7,7 @@ use crate::fit::samples::{FitSample, SampleMisfit};
 use crate::fit::solve::Solution;
 use crate::fit::unknowns::{FitNumber, FreeParameter, Unknowns};
 use crate::formula::{Formula, ParameterId, Term};
-use crate::instrument::model::{ParameterNumbers, Place};
+use crate::instrument::model::Place;
 use crate::lang::ast::Constant;
 use crate::lang::diagnostic::nearest;
 use crate::lang::types::Type;
@@ -186,18 +186,6 @@ fn value_of(values: &Values, formula: &Formula, id: ParameterId, owner: usize) -
     }
 }
 
-/// The values of all parameters for the fitted body and light. Where there is none, the values are the defaults.
-pub fn numbers(formula: &Formula, values: &Values, owners: FittedOwners) -> ParameterNumbers {
-    let number = |id: ParameterId| match owners.of_kind(formula.parameter(id).owner) {
-        Some(owner) => value_of(values, formula, id, owner.index()),
-        None => {
-            let default = formula.parameter(id).default;
-            if formula.parameter(id).ty.slots() == 3 { default } else { [default[0]; 3] }
-        }
-    };
-    formula.parameter_ids().map(number).collect()
-}
-
 /// The misfit of a formula with the values of a project to samples of reflectance.
 pub fn sample_misfit(
     formula: &Formula,
@@ -207,7 +195,7 @@ pub fn sample_misfit(
     samples: &[FitSample],
     metric: Metric,
 ) -> SampleMisfit {
-    let numbers = numbers(formula, values, owners);
+    let numbers = values.of_surface(formula, [owners.body, owners.light]);
     SampleMisfit::new(formula, numbers, &Place::default(), unknowns.numbers(), samples, metric)
 }
 

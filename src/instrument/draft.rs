@@ -1,5 +1,5 @@
-//! Integrals over the hemisphere for a picture that moves: quick, always at the same points, and right to some percent.
-//! [`hemisphere`](super::hemisphere) has those to be told.
+//! Quick integrals over the hemisphere, for charts that follow a slider: always at the same points, and within a tenth
+//! for usual models. [`hemisphere`](super::hemisphere) has the accurate ones.
 //!
 //! The points are spread over the hemisphere by the cosine, and around the mirror direction and the direction of the
 //! light itself, the denser the nearer. Each counts by the density of all of these together (the balance heuristic of

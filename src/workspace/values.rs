@@ -228,6 +228,24 @@ impl Values {
         self.table.indices(owner, id).map_or(&[], |indices| &self.effective[indices])
     }
 
+    /// The values of all parameters of the formula for one body and one light, by their index. Those of a scalar are
+    /// repeated three times. Without a body or a light, its parameters have their defaults.
+    pub fn of_surface(&self, formula: &Formula, [body, light]: [Option<OwnerId>; 2]) -> Vec<[f32; 3]> {
+        let value = |id: ParameterId| {
+            let parameter = formula.parameter(id);
+            let owner = match parameter.owner {
+                Owner::Global => Some(OwnerId::Global),
+                Owner::Body => body,
+                Owner::Light => light,
+            };
+            match owner.map_or(&parameter.default[..parameter.ty.slots()], |owner| self.get(owner, id)) {
+                [red, green, blue] => [*red, *green, *blue],
+                own => [own.first().copied().unwrap_or_default(); 3],
+            }
+        };
+        formula.parameter_ids().map(value).collect()
+    }
+
     /// The value of a global parameter, see [`get`](Self::get).
     pub fn global(&self, id: ParameterId) -> &[f32] {
         self.get(OwnerId::Global, id)
