@@ -6,6 +6,7 @@ use crate::agreement::formulas::{Case, SIZE, check, ingredients, number, runner}
 use crate::agreement::{backends, compiled, only_draws_in_full};
 use illuminator::engine::{Engine, Subject, Task};
 use illuminator::evaluate::{Backend, DragBeginning, Evaluator, Framebuffer};
+use illuminator::lang::variables::Predefined;
 use illuminator::picture::{Frame, Transfer};
 use illuminator::plan::Method;
 use illuminator::trace::View;
@@ -167,7 +168,17 @@ fn drag(case: &Case, evaluator: &Arc<dyn Evaluator>, moved: &[usize], values: &[
                 continue;
             }
             let frame = evaluator.frame(&memory);
-            prop_assert_eq!(wrong(&drawn, &frame), 0, "{} by {:?}, {}, {:?} to {}", &case.text, method, begins, moved, value);
+            prop_assert_eq!(
+                wrong(&drawn, &frame),
+                0,
+                "{} by {:?}, {}, {:?} to {} ALL {}",
+                &case.text,
+                method,
+                begins,
+                moved,
+                value,
+                drag.is_of_all_passes()
+            );
             if let Some(linear) = drag.linear(&memory) {
                 let far = |(one, other): (&f32, &f32)| (one - other).abs() > 1e-4 * other.abs().max(1.0);
                 let far = linear.linear.as_flattened().iter().zip(frame.linear.as_flattened()).filter(|pair| far(*pair)).count();
@@ -176,6 +187,29 @@ fn drag(case: &Case, evaluator: &Arc<dyn Evaluator>, moved: &[usize], values: &[
         }
     }
     Ok(method)
+}
+
+#[test]
+fn the_first_frame_of_a_picture_of_large_numbers_has_all_passes() {
+    let backends = [compiled().pop().expect("a width")];
+    // Green is large, and blue is that of the background beside dark bodies, whose edges differ from pass to pass.
+    let text = "formula; emission = <0, 300, 0>; = 0.1*IL*Cd*max(0, N.L);";
+    let numbers = [0.1, 0.05, 0.15, 0.02];
+    let mut case = Case::in_pass(text.to_owned(), &numbers, &backends, SCENE, 0).expect("a formula");
+    with_passes(&mut case, &backends, 3);
+    let evaluator = &case.evaluators[0];
+    let background = case.formula.parameter(case.formula.predefined(Predefined::Background));
+    let index = case.layout.index(background, 0) + 2;
+    let beginning = DragBeginning { picture: Arc::new(evaluator.frame(&case.memory)), passes: 1 };
+    let mut drag = Arc::clone(evaluator).drag(&[index], &case.memory, usize::MAX, Some(&beginning)).expect("kernels");
+    let mut drawn = Framebuffer::black(SIZE.0, SIZE.1, VIEWS[1]);
+    drag.frame(&case.memory, &mut drawn);
+    while !drag.prepare() {}
+    let mut memory = case.memory.clone();
+    memory[index] = 0.5;
+    drag.frame(&memory, &mut drawn);
+    assert!(drag.method() == Method::Images && drag.is_of_all_passes());
+    assert_eq!(wrong(&drawn, &evaluator.frame(&memory)), 0);
 }
 
 #[test]

@@ -273,11 +273,14 @@ impl Drag for CompiledDrag {
         compiled.each_tile(tiles, |(part, tile), index, scratch| match &mut tile.state {
             TileState::Untouched if drawn => {}
             TileState::Images { images, right } => {
-                let accurate = images.is_accurate(&factor);
-                if drawn && accurate && *right {
-                    images.draw(compiled.width(), &factor, part);
-                } else {
+                let (accurate, was_right) = (images.is_accurate(&factor), drawn && *right);
+                if !(accurate && was_right) {
+                    let part = Part { pixels: &mut *part.pixels, encoder: part.encoder };
                     whole.draw(index, &mut None, scratch, part);
+                }
+                // The images have all passes, and what was drawn may have some of them.
+                if accurate && (was_right || whole.is_of_some_passes()) {
+                    images.draw(compiled.width(), &factor, part);
                 }
                 *right = accurate;
             }
@@ -339,6 +342,11 @@ impl<'w> WholeFrame<'w> {
     fn mean(&self, (numbers, variants, summations): &WholeNumbers<'w>, tile: usize, scratch: &mut TileScratch) {
         let summations = summations.get_or_init(|| WholeSummations::new(self.compiled, numbers, *variants));
         summations.mean(self.compiled, numbers, self.passes, tile, scratch);
+    }
+
+    /// Whether it evaluates some of the passes only.
+    fn is_of_some_passes(&self) -> bool {
+        self.passes < self.compiled.passes.len()
     }
 
     /// Draws a tile into its part of a framebuffer. `rest` is what the picture at the beginning has beside the mean of
