@@ -1,13 +1,16 @@
-//! Files on disk: opening them without waiting for what is not a file, and replacing them whole or not at all.
+//! Files on disk: opening them without waiting for what is not a file, replacing them whole or not at all, and numbers
+//! for what was read from them.
 //!
 //! No text is parsed here, and no picture is encoded. The callers bring the contents.
 
+mod numbered;
 mod open;
 mod replace;
 mod stamp;
 
 use std::io::{self, ErrorKind};
 
+pub use numbered::{NoRoom, NumberedFiles};
 pub use open::{FileType, OpenError, Readable, open, open_regular};
 pub use replace::{UNFINISHED_PREFIX, follow_links, remove_unfinished, replace_file, replace_text};
 pub use stamp::FileStamp;

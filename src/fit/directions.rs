@@ -5,14 +5,22 @@
 //! that it stands for.
 
 use crate::instrument::DirectionPair;
+use crate::sampling::EvenSequence;
 use glam::{DMat3, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::ops::RangeInclusive;
 
 /// Beyond this angle to the normal, in degrees, measured data are not reliable (Ngan, Durand and Matusik 2005).
 pub const LARGEST_ANGLE: f64 = 80.0;
 
 /// How many pairs there are if nobody says.
 pub const USUAL_PAIRS: usize = 10_000;
+
+/// How many pairs can be asked for.
+pub const PAIR_COUNTS: RangeInclusive<usize> = 100..=1_000_000;
+
+/// Up to which angles from the normal pairs can be asked for, in degrees.
+pub const PAIR_ANGLES: RangeInclusive<u32> = 10..=89;
 
 /// A pair of directions, and what it counts: the product of the solid angles of both, in steradians squared.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,16 +34,15 @@ pub struct WeightedPair {
 /// About this many pairs with both directions within `largest` degrees of the normal, the same at every call. Their
 /// weights add up to the square of the solid angle of that cap.
 pub fn pairs(count: usize, largest: f64) -> Vec<WeightedPair> {
-    /// A low-discrepancy sequence: multiples of powers of the root of x⁵ = x + 1 (Roberts 2018).
-    const ROOT: f64 = 1.167_303_978_261_418_7;
+    let sequence = EvenSequence::new(4);
     let limit = largest.to_radians().cos();
     let mut found = Vec::with_capacity(count);
     let mut tried = 0_u32;
     while found.len() < count && (tried as usize) < 64 * count.max(16) {
         tried += 1;
-        let at = |power: i32| (0.5 + f64::from(tried) * ROOT.powi(-power)).fract();
-        let (root, half_azimuth) = (at(1), TAU * at(2));
-        let (half, difference, azimuth) = (FRAC_PI_2 * root * root, FRAC_PI_2 * at(3), TAU * at(4));
+        let [root, half_turn, difference, turn] = sequence.point(tried);
+        let (half, half_azimuth) = (FRAC_PI_2 * root * root, TAU * half_turn);
+        let (difference, azimuth) = (FRAC_PI_2 * difference, TAU * turn);
         let [light, view] = from_half_difference(half, half_azimuth, difference, azimuth);
         if light.z < limit || view.z < limit {
             continue;

@@ -3,6 +3,7 @@
 use crate::fit::Misfit;
 use crate::fit::normal::NormalEquations;
 use crate::fit::unknowns::{FitNumber, Unknowns};
+use crate::sampling::EvenSequence;
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn, SymmetricEigen};
@@ -84,12 +85,17 @@ pub fn solve(
         best_values: RefCell::new(start.clone()),
     };
     let mut starts: Vec<StartOutcome> = Vec::new();
+    let sequence = EvenSequence::new(unknowns.free().max(1));
     for index in 0..context.starts {
         if cancelled.load(Ordering::Relaxed) {
             break;
         }
-        let variables =
-            if index == 0 { unknowns.variables(&start) } else { unknowns.start_at(&cube_point(index, unknowns.free())) };
+        let variables = if index == 0 {
+            unknowns.variables(&start)
+        } else {
+            let place: Vec<f64> = (0..unknowns.free()).map(|axis| sequence.coordinate(index, axis)).collect();
+            unknowns.start_at(&place)
+        };
         starts.push(context.descend(variables, index, ROUGH));
         let exact = 1e-7 * before.root_mean_square().max(1e-12);
         if starts.last().is_some_and(|outcome| outcome.residual <= exact) {
@@ -139,14 +145,6 @@ struct Closeness {
 const ROUGH: Closeness = Closeness { tolerance: 1e-6, patience: 12 };
 /// For the result.
 const FINE: Closeness = Closeness { tolerance: 1e-12, patience: 60 };
-
-/// The point with this index, from 1, of a sequence that fills a unit cube evenly (Roberts 2018).
-fn cube_point(index: u32, dimensions: usize) -> Vec<f64> {
-    // The root of x^(d+1) = x + 1.
-    let power = 1.0 / (dimensions as f64 + 1.0);
-    let root = (0..64).fold(1.5_f64, |root, _| (1.0 + root).powf(power));
-    (1..=dimensions as i32).map(|axis| (0.5 + f64::from(index) * root.powi(-axis)).fract()).collect()
-}
 
 /// What all starts share.
 struct Context<'c> {

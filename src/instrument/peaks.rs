@@ -4,6 +4,7 @@
 //! narrow the tops are. It also estimates the integral, with an error that says whether another estimate missed much.
 
 use crate::instrument::direction::STEEPEST;
+use crate::sampling::EvenSequence;
 use glam::DVec3;
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
@@ -33,10 +34,9 @@ pub(super) struct HemisphereScan {
     pub(super) estimate: [[f64; 2]; 3],
 }
 
-/// Points on a square, spread evenly: the sequence of Roberts (2018), "The Unreasonable Effectiveness of Quasirandom
-/// Sequences".
+/// A point on a square, of those that are spread evenly.
 pub(super) fn spread(index: u32) -> [f64; 2] {
-    [0.754_877_666_246_692_7, 0.569_840_290_998_053_2].map(|step| (0.5 + f64::from(index) * step).fract())
+    EvenSequence::SQUARE.point(index)
 }
 
 /// Directions spread evenly over the hemisphere, by solid angle.

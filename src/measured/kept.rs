@@ -3,12 +3,13 @@
 //! A material is kept until the program ends, as textures are: its number may be in compiled code and in formulas of
 //! any window. 0 is the number of no material.
 
+use crate::files::{NoRoom, NumberedFiles};
 use crate::measured::MeasuredMaterial;
 use glam::{DVec2, DVec3};
 use std::cell::Cell;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::Arc;
 
 /// The most materials that a run of the program can have.
 const MOST: usize = 1024;
@@ -21,21 +22,8 @@ pub const MAX_MEASURED_BYTES: u64 = 4 << 30;
 /// The bound lets products with other bounded values be regrouped, so that what is static is multiplied after tracing.
 pub const LARGEST: f32 = 9e5;
 
-/// A material with the file that it was read from.
-#[derive(Debug)]
-struct KeptMaterial {
-    path: PathBuf,
-    material: Arc<MeasuredMaterial>,
-}
-
 /// The materials by their numbers.
-static KEPT: [OnceLock<KeptMaterial>; MOST] = [const { OnceLock::new() }; MOST];
-
-/// The number of the first material. Unit tests apply all operations to small numbers, which stay those of no material.
-const FIRST: usize = if cfg!(test) { 256 } else { 1 };
-
-/// The number of the next material, and how many bytes all of them take.
-static TAKEN: Mutex<(usize, u64)> = Mutex::new((FIRST, 0));
+static KEPT: NumberedFiles<Arc<MeasuredMaterial>, MOST> = NumberedFiles::new(MAX_MEASURED_BYTES);
 
 /// Why there is no room for a material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -48,19 +36,21 @@ pub enum NoMaterialRoom {
     Memory,
 }
 
+impl From<NoRoom> for NoMaterialRoom {
+    fn from(why: NoRoom) -> Self {
+        match why {
+            NoRoom::Number => Self::Number,
+            NoRoom::Memory => Self::Memory,
+        }
+    }
+}
+
 /// Whether there is room for this many bytes beside the materials that are there.
 ///
 /// # Errors
 /// There are too many materials, or they would take too much memory.
 pub fn check_room(more: u64) -> Result<(), NoMaterialRoom> {
-    let (numbers, bytes) = *TAKEN.lock().unwrap_or_else(PoisonError::into_inner);
-    if numbers >= MOST {
-        Err(NoMaterialRoom::Number)
-    } else if bytes.saturating_add(more) > MAX_MEASURED_BYTES {
-        Err(NoMaterialRoom::Memory)
-    } else {
-        Ok(())
-    }
+    Ok(KEPT.check_room(more)?)
 }
 
 /// Keeps a material that was read from a file, and gives it a number greater than 0.
@@ -69,28 +59,17 @@ pub fn check_room(more: u64) -> Result<(), NoMaterialRoom> {
 /// There are too many materials, or they would take too much memory.
 pub fn keep(path: PathBuf, material: Arc<MeasuredMaterial>) -> Result<f32, NoMaterialRoom> {
     let size = material.bytes();
-    check_room(size)?;
-    let mut taken = TAKEN.lock().unwrap_or_else(PoisonError::into_inner);
-    let number = taken.0;
-    let place = KEPT.get(number).ok_or(NoMaterialRoom::Number)?;
-    place.get_or_init(|| KeptMaterial { path, material });
-    *taken = (number + 1, taken.1.saturating_add(size));
-    Ok(number as f32)
-}
-
-fn kept(number: f32) -> Option<&'static KeptMaterial> {
-    // NaN and negative numbers become 0.
-    KEPT.get((number + 0.5) as usize)?.get()
+    Ok(KEPT.keep(path, material, size)?)
 }
 
 /// The material of a number; `None` for numbers that no material has.
 pub fn numbered(number: f32) -> Option<&'static Arc<MeasuredMaterial>> {
-    kept(number).map(|kept| &kept.material)
+    KEPT.numbered(number)
 }
 
 /// The file that the material of a number was read from.
 pub fn path_of(number: f32) -> Option<&'static Path> {
-    kept(number).map(|kept| kept.path.as_path())
+    KEPT.path_of(number)
 }
 
 /// The unit vector with these stereographic coordinates. Inside of the unit circle it is above the horizon.

@@ -9,7 +9,13 @@
 //! so that neighbouring pixels and different lights have independent errors. The first 2^m points stay evenly spread. A
 //! point depends on nothing else: any pass can be made alone, in any order.
 //!
+//! [`EvenSequence`] is for choosing a few points of anything else.
+//!
 //! What points are used for is not known here.
+
+mod even;
+
+pub use even::EvenSequence;
 
 /// Which samples a hit takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

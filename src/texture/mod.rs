@@ -4,8 +4,8 @@
 //! another image is another number: nothing is compiled or traced again. Textures are kept until the program ends,
 //! because numbers of them may be anywhere: in values, snapshots and steps of undo.
 
+use crate::files::{NoRoom, NumberedFiles};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// The largest width and height of a texture, in texels.
 pub const MAX_TEXTURE_SIDE: u32 = 16_384;
@@ -109,25 +109,12 @@ impl Neighbours {
     }
 }
 
-/// A texture with the file that it was read from.
-#[derive(Debug)]
-struct Known {
-    path: PathBuf,
-    texture: TextureImage,
-}
-
 /// The textures by their numbers. Number 0 stands for white and has none.
-static KNOWN: [OnceLock<Known>; MOST] = [const { OnceLock::new() }; MOST];
-
-/// The number of the first texture. Unit tests apply all operations to small numbers, which stay those of no texture.
-const FIRST: usize = if cfg!(test) { 256 } else { 1 };
-
-/// The number of the next texture, and how many bytes all of them take.
-static TAKEN: Mutex<(usize, u64)> = Mutex::new((FIRST, 0));
+static KNOWN: NumberedFiles<TextureImage, MOST> = NumberedFiles::new(MAX_TEXTURE_BYTES);
 
 /// Why there is no room for a texture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum NoRoom {
+pub enum NoTextureRoom {
     /// There are too many.
     #[error("there are more than {MOST} textures")]
     Number,
@@ -136,49 +123,40 @@ pub enum NoRoom {
     Memory,
 }
 
+impl From<NoRoom> for NoTextureRoom {
+    fn from(why: NoRoom) -> Self {
+        match why {
+            NoRoom::Number => Self::Number,
+            NoRoom::Memory => Self::Memory,
+        }
+    }
+}
+
 /// Whether there is room for this many bytes beside the textures that are there.
 ///
 /// # Errors
 /// There are too many textures, or they would take too much memory.
-pub fn check_room(more: u64) -> Result<(), NoRoom> {
-    let (numbers, bytes) = *TAKEN.lock().unwrap_or_else(PoisonError::into_inner);
-    if numbers >= MOST {
-        Err(NoRoom::Number)
-    } else if bytes.saturating_add(more) > MAX_TEXTURE_BYTES {
-        Err(NoRoom::Memory)
-    } else {
-        Ok(())
-    }
+pub fn check_room(more: u64) -> Result<(), NoTextureRoom> {
+    Ok(KNOWN.check_room(more)?)
 }
 
 /// Keeps a texture that was read from a file, and gives it a number greater than 0.
 ///
 /// # Errors
 /// There are too many textures, or they would take too much memory.
-pub fn keep(path: PathBuf, texture: TextureImage) -> Result<f32, NoRoom> {
+pub fn keep(path: PathBuf, texture: TextureImage) -> Result<f32, NoTextureRoom> {
     let size = texture.texels.len() as u64 * TextureImage::BYTES_PER_TEXEL;
-    check_room(size)?;
-    let mut taken = TAKEN.lock().unwrap_or_else(PoisonError::into_inner);
-    let number = taken.0;
-    let place = KNOWN.get(number).ok_or(NoRoom::Number)?;
-    place.get_or_init(|| Known { path, texture });
-    *taken = (number + 1, taken.1.saturating_add(size));
-    Ok(number as f32)
-}
-
-fn known(number: f32) -> Option<&'static Known> {
-    // NaN and negative numbers become 0.
-    KNOWN.get((number + 0.5) as usize)?.get()
+    Ok(KNOWN.keep(path, texture, size)?)
 }
 
 /// The texture of a number; `None` for white and for numbers that no texture has.
 pub fn numbered(number: f32) -> Option<&'static TextureImage> {
-    known(number).map(|known| &known.texture)
+    KNOWN.numbered(number)
 }
 
 /// The file that the texture of a number was read from; `None` for white.
 pub fn path_of(number: f32) -> Option<&'static Path> {
-    known(number).map(|known| known.path.as_path())
+    KNOWN.path_of(number)
 }
 
 /// A component (0 is red) of the colour of the texture with a number, at surface coordinates.
@@ -252,6 +230,6 @@ mod tests {
             assert_eq!((numbered(number), path_of(number)), (None, None));
             assert_eq!(component(number, 0.1, 0.1, 0.0), 1.0);
         }
-        assert_eq!(check_room(1 << 42), Err(NoRoom::Memory));
+        assert_eq!(check_room(1 << 42), Err(NoTextureRoom::Memory));
     }
 }

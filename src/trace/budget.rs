@@ -2,6 +2,7 @@
 //! meanwhile.
 
 use crate::lang::variables::EvaluatedLights;
+use crate::sampling::EvenSequence;
 use crate::trace::all_lights::needs_second_store;
 use crate::trace::primitives::PrimitiveTable;
 use crate::trace::tracer::Tracer;
@@ -203,13 +204,11 @@ impl Estimate {
     }
 }
 
-/// The pixel of a sample. The points of the R₂ sequence (Roberts 2018) are spread evenly, however few there are, and do
-/// not align with rows and columns.
+/// The pixel of a sample. The points do not align with rows and columns.
 fn sampled_pixel(sample: u32, view: &View) -> u32 {
-    let along = |ratio: f64, side: u32| ((0.5 + f64::from(sample) * ratio).fract() * f64::from(side)) as u32;
-    let row = along(0.569_840_290_998_053_2, view.height()).min(view.height() - 1);
-    let column = along(0.754_877_666_246_692_7, view.width()).min(view.width() - 1);
-    row * view.width() + column
+    let [x, y] = EvenSequence::SQUARE.point(sample);
+    let along = |share: f64, side: u32| ((share * f64::from(side)) as u32).min(side - 1);
+    along(y, view.height()) * view.width() + along(x, view.width())
 }
 
 /// Counts the memory of a picture while several threads trace it. The count only grows, so the order of the threads

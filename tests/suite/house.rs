@@ -16,7 +16,7 @@ use tokens::{Token, tokens, without_tests};
 const ROOMS: [(&str, &[&str]); 30] = [
     ("files", &[]),
     ("simd", &[]),
-    ("texture", &[]),
+    ("texture", &["files"]),
     ("measured", &["files"]),
     ("sampling", &[]),
     ("lang", &["texture", "measured"]),
@@ -41,7 +41,7 @@ const ROOMS: [(&str, &[&str]); 30] = [
     ),
     // Instruments make charts of what they find.
     ("plot", &["picture"]),
-    ("instrument", &["measured", "lang", "formula", "plan", "jit", "evaluate", "plot"]),
+    ("instrument", &["sampling", "measured", "lang", "formula", "plan", "jit", "evaluate", "plot"]),
     ("engine", &["lang", "formula", "scene", "world", "trace", "picture", "evaluate", "backends"]),
     ("sensitivity", &["lang", "formula", "world", "trace", "picture", "evaluate", "engine"]),
     (
@@ -62,7 +62,22 @@ const ROOMS: [(&str, &[&str]); 30] = [
             "picture",
         ],
     ),
-    ("fit", &["measured", "lang", "formula", "trace", "picture", "plot", "engine", "instrument", "sensitivity", "workspace"]),
+    (
+        "fit",
+        &[
+            "sampling",
+            "measured",
+            "lang",
+            "formula",
+            "trace",
+            "picture",
+            "plot",
+            "engine",
+            "instrument",
+            "sensitivity",
+            "workspace",
+        ],
+    ),
     ("import", &["files", "lang", "mesh", "scene", "trace", "picture", "workspace"]),
     ("assist", &["lang", "formula", "scene", "workspace"]),
     // Settings name a backend, and the transfer of new sessions.
