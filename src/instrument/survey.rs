@@ -10,6 +10,7 @@ use crate::instrument::hemisphere::Integration;
 use crate::instrument::peaks::{at_place, beside};
 use crate::instrument::reciprocity::ReciprocityError;
 use crate::instrument::{DirectionPair, Reflectance};
+use crate::sampling::EvenSequence;
 use glam::{DQuat, DVec3, Vec3};
 use std::f64::consts::TAU;
 
@@ -43,7 +44,8 @@ impl ModelSurvey {
     /// Surveys a model.
     pub fn of(model: &dyn Reflectance) -> Self {
         let known = spread_pairs();
-        let pairs: Vec<DirectionPair> = known.iter().copied().chain((0..PAIRS).map(even_pair)).collect();
+        let sequence = EvenSequence::new(4);
+        let pairs: Vec<DirectionPair> = known.iter().copied().chain((0..PAIRS).map(|index| even_pair(sequence, index))).collect();
         let around: Vec<DirectionPair> = pairs.iter().enumerate().map(|(index, pair)| turned(pair, turn_of(index))).collect();
         let back: Vec<DirectionPair> = pairs.iter().map(DirectionPair::exchanged).collect();
         let [values, of_turned, of_back] = [&pairs, &around, &back].map(|pairs| model.values(pairs));
@@ -73,14 +75,11 @@ impl ModelSurvey {
     }
 }
 
-/// A pair of a sequence that covers all pairs evenly: that of Roberts (2018), "The Unreasonable Effectiveness of
-/// Quasirandom Sequences", in four dimensions.
-fn even_pair(index: u32) -> DirectionPair {
-    /// The root of x⁵ = x + 1.
-    const ROOT: f64 = 1.167_303_978_261_418_7;
-    let part = |power: i32| (0.5 + f64::from(index) * ROOT.powi(-power)).fract();
+/// A pair of a sequence in four dimensions, which covers all pairs evenly.
+fn even_pair(sequence: EvenSequence, index: u32) -> DirectionPair {
+    let [cosine, turn, view_cosine, view_turn] = sequence.point(index);
     let direction = |cosine: f64, turn: f64| at_place([cosine, turn]).as_vec3().to_array();
-    DirectionPair { light: direction(part(1), part(2)), view: direction(part(3), part(4)) }
+    DirectionPair { light: direction(cosine, turn), view: direction(view_cosine, view_turn) }
 }
 
 /// By how much a pair is turned, in radians.
@@ -91,6 +90,15 @@ fn turn_of(index: usize) -> f64 {
 fn moved(pair: &DirectionPair, by: impl Fn(DVec3) -> DVec3) -> DirectionPair {
     let [light, view] = [pair.light, pair.view].map(|direction| by(Vec3::from(direction).as_dvec3()).as_vec3().to_array());
     DirectionPair { light, view }
+}
+
+/// Whether values change when both directions of these pairs turn about the normal.
+pub fn depends_on_azimuth(model: &dyn Reflectance, pairs: &[DirectionPair]) -> bool {
+    let turns = |pair: &DirectionPair, index: usize| turned(pair, turn_of(index));
+    let around: Vec<DirectionPair> = pairs.iter().enumerate().map(|(index, pair)| turns(pair, index)).collect();
+    let [values, of_turned] = [pairs, &around].map(|pairs| model.values(pairs));
+    let found = largest_difference(model, [pairs, &around], [&values, &of_turned], &turns);
+    found.is_some_and(|found| found.error > EQUAL)
 }
 
 /// Both directions turned about the normal.

@@ -113,6 +113,18 @@ fn the_ranges_of_parameters_are_looked_at() {
 }
 
 #[test]
+fn the_worst_setting_of_an_anisotropic_model_is_found_at_any_azimuth() {
+    let folder = folder();
+    // Across the tangent, light along the surface is reflected by up to 1.8 s; along the tangent by 1.2 (1 − s).
+    let text = "body_specific; s: scalar, constraint 0..1, default 0.5;
+        formula; = IL*<1.2*(1 - s)*(T.L)^2 + 1.8*s*(B.L)^2>*max(0, N.L);";
+    write(&folder, "across.formula", text);
+    let found = measured(folder.path(), "across.formula --all");
+    assert_eq!(found["ranges"]["greatest_with"], "s=1");
+    near(&found["ranges"]["greatest_albedo"]["share"], 1.8, 2e-3);
+}
+
+#[test]
 fn what_cannot_be_told_is_not_told() {
     let folder = folder();
     write(&folder, "none.formula", "formula; = IL*sqrt(-1 - N.L);");

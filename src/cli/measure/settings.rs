@@ -7,9 +7,10 @@ use illuminator::instrument::albedo::{GreatestAlbedo, greatest_component};
 use illuminator::instrument::expressions::spread_pairs;
 use illuminator::instrument::hemisphere::{Integration, integrate};
 use illuminator::instrument::search::greatest;
-use illuminator::instrument::survey::ModelSurvey;
+use illuminator::instrument::survey::{ModelSurvey, depends_on_azimuth};
 use illuminator::lang::types::Type;
 use illuminator::lang::variables::{Owner, Predefined};
+use illuminator::sampling::EvenSequence;
 use illuminator::workspace::assignment::Assignment;
 use illuminator::workspace::{OwnerId, Values};
 use rayon::prelude::*;
@@ -20,6 +21,8 @@ const MOST_CORNERS: u32 = 64;
 const INSIDE: u32 = 32;
 /// The angles at which settings are compared, and how wrong the shares may be there.
 const COMPARED: [f64; 6] = [0.0, 45.0, 70.0, 83.0, 88.0, 89.9];
+/// The azimuths at which settings are compared for which azimuths matter.
+const AZIMUTHS: [f64; 4] = [0.0, 45.0, 90.0, 135.0];
 const COARSE: f64 = 5e-3;
 
 /// What was found over the ranges.
@@ -84,10 +87,9 @@ fn settings(valued: &ValuedFormula, moved: &[(OwnerId, ParameterId)]) -> Vec<Vec
         let share = move |place: usize, _: usize| f64::from(bits >> (place % 32) & 1);
         setting(valued, moved, &share)
     };
-    // The sequence of Roberts (2018), "The Unreasonable Effectiveness of Quasirandom Sequences".
-    let step = |number: usize| (0.754_877_666_246_692_7 * (number + 1) as f64).fract();
+    let sequence = EvenSequence::new(3 * moved.len().max(1));
     let inside = |index: u32| {
-        let share = move |place: usize, component: usize| (0.5 + f64::from(index + 1) * step(3 * place + component)).fract();
+        let share = move |place: usize, component: usize| sequence.coordinate(index + 1, 3 * place + component);
         setting(valued, moved, &share)
     };
     (0..corners).map(corner).chain((0..INSIDE).map(inside)).collect()
@@ -112,15 +114,15 @@ pub(super) fn over_ranges(valued: &ValuedFormula) -> RangeFindings {
         let mut values = valued.values.clone();
         values.assign(given);
         let model = valued.model(&values);
-        let shares = COMPARED.map(|polar| {
-            let integral = integrate(&model, Integration::OverViews, [polar, 0.0], COARSE);
-            greatest_component(&integral).1
-        });
+        let azimuths = if depends_on_azimuth(&model, &pairs) { &AZIMUTHS[..] } else { &AZIMUTHS[..1] };
+        let compared = COMPARED.into_iter().flat_map(|polar| azimuths.iter().map(move |azimuth| [polar, *azimuth]));
+        let shares = compared.map(|angles| greatest_component(&integrate(&model, Integration::OverViews, angles, COARSE)).1);
+        let share = shares.fold(0.0, f64::max);
         let numbers = model.values(&pairs);
         let smallest =
             numbers.iter().flatten().filter(|number| number.is_finite()).fold(f32::INFINITY, |least, number| least.min(*number));
         let is_finite = numbers.iter().flatten().all(|number| number.is_finite());
-        Tried { values, share: shares.into_iter().fold(0.0, f64::max), smallest: f64::from(smallest), is_finite }
+        Tried { values, share, smallest: f64::from(smallest), is_finite }
     };
     let tried: Vec<Tried> = settings.par_iter().map(try_one).collect();
     let said = |tried: &Tried| said(valued, &moved, &tried.values);
