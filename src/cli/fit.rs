@@ -16,7 +16,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser};
 use illuminator::backends::DEFAULT;
 use illuminator::engine::Task;
 use illuminator::files::Readable;
-use illuminator::fit::directions::{LARGEST_ANGLE, USUAL_PAIRS};
+use illuminator::fit::directions::{LARGEST_ANGLE, PAIR_ANGLES, PAIR_COUNTS, USUAL_PAIRS};
 use illuminator::fit::metric::{METRICS, Metric};
 use illuminator::fit::request::{self, FittedOwners, FreeName, FreeNameError};
 use illuminator::fit::samples::{FitSample, samples_of_material};
@@ -64,11 +64,11 @@ pub(super) struct Options {
     #[arg(long, value_name = "N", value_parser = whole(1_u32..=1000), default_value = "8", allow_negative_numbers = true)]
     starts: u32,
     /// Pairs of directions at which a measured material is compared, 100 to 1000000
-    #[arg(long, value_name = "N", value_parser = whole(100_usize..=1_000_000), default_value_t = USUAL_PAIRS,
+    #[arg(long, value_name = "N", value_parser = whole(PAIR_COUNTS), default_value_t = USUAL_PAIRS,
         allow_negative_numbers = true)]
     directions: usize,
     /// Compare a measured material up to this angle from the normal, in degrees
-    #[arg(long, value_name = "DEGREES", value_parser = whole(10_u32..=89), default_value_t = LARGEST_ANGLE as u32,
+    #[arg(long, value_name = "DEGREES", value_parser = whole(PAIR_ANGLES), default_value_t = LARGEST_ANGLE as u32,
         allow_negative_numbers = true)]
     within: u32,
     /// Write a session with the fitted values

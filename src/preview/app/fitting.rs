@@ -10,6 +10,7 @@ mod result;
 mod sketch;
 mod work;
 
+use crate::fit::directions::{LARGEST_ANGLE, PAIR_ANGLES, PAIR_COUNTS, USUAL_PAIRS};
 use crate::fit::metric::{METRICS, Metric};
 use crate::fit::request::FittedOwners;
 use crate::fit::solve::FitOptions;
@@ -78,6 +79,10 @@ pub(super) struct FittingPanel {
     choices: FreeChoices,
     metric: Metric,
     starts: u32,
+    /// At how many pairs of directions a measured material is compared.
+    directions: usize,
+    /// Up to which angle from the normal, in degrees.
+    within: u32,
     /// How many passes a picture is the mean of; none: as many as the picture in view.
     passes: Option<u32>,
     running: Option<RunningFit>,
@@ -105,6 +110,8 @@ impl FittingPanel {
             choices: FreeChoices::default(),
             metric: METRICS[0],
             starts: FitOptions::default().starts,
+            directions: USUAL_PAIRS,
+            within: LARGEST_ANGLE as u32,
             passes: None,
             running: None,
             trouble: None,
@@ -175,7 +182,8 @@ impl FittingPanel {
         let (scene, passes) = (workshop.scene(), self.passes.unwrap_or_else(|| workshop.samples()));
         let body = self.body.map(|body| format!(" with {}", one_line(&scene.body(body).name))).unwrap_or_default();
         let described = format!("{formula}{body}, fitted to {}", data.name());
-        let settings = FittingSettings { metric: self.metric, starts: self.starts, passes };
+        let (directions, within) = (self.directions, self.within);
+        let settings = FittingSettings { metric: self.metric, starts: self.starts, directions, within, passes };
         let free = self.choices.free(workshop.values());
         let task = FittingTask::new(workshop, self.owners(), data, &free, settings, described);
         match task.and_then(|task| RunningFit::start(task, &self.wake)) {
@@ -318,6 +326,14 @@ impl FittingPanel {
             ui.label("Starts").on_hover_text(about);
             ui.add(DragValue::new(&mut self.starts).range(1..=MOST_STARTS).speed(0.1).update_while_editing(false));
             ui.end_row();
+            if self.data.as_ref().is_some_and(|data| data.is_material()) {
+                ui.label("Directions").on_hover_text("At how many pairs of directions the formula and the material are compared");
+                ui.add(DragValue::new(&mut self.directions).range(PAIR_COUNTS).speed(100).update_while_editing(false));
+                ui.end_row();
+                ui.label("Within").on_hover_text("Up to this angle from the normal; beyond it, measured data are not reliable");
+                ui.add(DragValue::new(&mut self.within).range(PAIR_ANGLES).speed(0.2).suffix("°").update_while_editing(false));
+                ui.end_row();
+            }
             if is_picture {
                 ui.label("Passes").on_hover_text("The picture that is compared is the mean of this many passes");
                 let mut passes = self.passes.unwrap_or_else(|| workshop.samples());
@@ -364,6 +380,12 @@ impl FittingPanel {
     pub(super) fn is_at_rest(&self) -> bool {
         let is_drawn = self.page != FittingPage::Chart || self.sketch.is_drawn();
         self.running.is_none() && !self.reader.is_busy() && is_drawn
+    }
+
+    /// Lets a parameter move, for tests.
+    #[cfg(test)]
+    pub(super) fn free(&mut self, owner: &str, parameter: &str) {
+        self.choices.choose(owner, parameter);
     }
 
     /// How much of a fit that runs is done, for tests.

@@ -7,6 +7,7 @@ use crate::fit::words::short;
 use crate::formula::{Formula, ParameterId, Term};
 use crate::lang::display_text::one_line;
 use crate::lang::types::Type;
+use crate::lang::variables::Owner;
 use crate::preview::app::theme::section;
 use crate::workspace::{OwnerId, Values};
 use egui::{DragValue, Grid, RichText, Ui, vec2};
@@ -47,16 +48,21 @@ pub(super) struct FreeChoices {
 }
 
 impl OfferedRows {
-    /// The numbers and colours of the body that the formula reads; for a picture, all of the body, the light and the
-    /// scene.
+    /// The numbers and colours of the body that the formula reads; for a picture, all of the body and the light, then
+    /// those of other bodies and lights, and of the scene.
     fn new(formula: &Arc<Formula>, values: &Values, owners: FittedOwners, is_picture: bool) -> Self {
         let table = values.table();
         let used = formula.terms_of(formula.result);
         let parameter = |term| if let Term::Parameter(id) = formula.term(term) { Some(*id) } else { None };
         let read: BTreeSet<ParameterId> = used.into_iter().filter_map(parameter).collect();
         let mut rows = Vec::new();
-        let others = [owners.light.filter(|_| is_picture), Some(OwnerId::Global).filter(|_| is_picture)];
-        for owner in std::iter::once(owners.body).chain(others).flatten() {
+        let mut offered: Vec<OwnerId> = owners.body.into_iter().collect();
+        if is_picture {
+            offered.extend(owners.light);
+            let others = [Owner::Body, Owner::Light, Owner::Global].into_iter().flat_map(|kind| table.owners().of_kind(kind));
+            offered.extend(others.filter(|owner| ![owners.body, owners.light].contains(&Some(*owner))));
+        }
+        for owner in offered {
             let is_offered = |id: &ParameterId| {
                 let parameter = formula.parameter(*id);
                 let is_smooth = parameter.ty != Type::Texture && !parameter.is_whole();
@@ -97,6 +103,12 @@ impl FreeChoices {
             (is_free && can).then_some(FreeParameter { parameter: of.1, owner: of.0.index(), range })
         };
         offered.rows.iter().filter_map(free).collect()
+    }
+
+    /// Lets a parameter move.
+    #[cfg(test)]
+    pub(super) fn choose(&mut self, owner: &str, parameter: &str) {
+        self.chosen.entry((Some(owner.to_owned()), parameter.to_owned())).or_default().free = Some(true);
     }
 
     /// Draws the parameters.

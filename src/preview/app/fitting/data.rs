@@ -60,6 +60,11 @@ impl FittingData {
         }
     }
 
+    /// Whether it is a material, of which any directions can be taken.
+    pub(super) fn is_material(&self) -> bool {
+        matches!(self.contents, FittingContents::Material(_))
+    }
+
     /// Whether it is a picture.
     pub(super) fn is_picture(&self) -> bool {
         matches!(self.contents, FittingContents::Picture(_))

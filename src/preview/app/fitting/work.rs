@@ -6,7 +6,6 @@
 use crate::backends::DEFAULT;
 use crate::engine::{Engine, EngineError, Subject, Task};
 use crate::fit::charts::{of_models, of_pictures};
-use crate::fit::directions::{LARGEST_ANGLE, USUAL_PAIRS};
 use crate::fit::metric::Metric;
 use crate::fit::request::{self, FittedOwners};
 use crate::fit::samples::{FitSample, samples_of_material};
@@ -32,6 +31,10 @@ use std::time::{Duration, Instant};
 pub(super) struct FittingSettings {
     pub(super) metric: Metric,
     pub(super) starts: u32,
+    /// At how many pairs of directions a measured material is compared.
+    pub(super) directions: usize,
+    /// Up to which angle from the normal, in degrees.
+    pub(super) within: u32,
     /// How many passes a picture is the mean of.
     pub(super) passes: u32,
 }
@@ -101,7 +104,8 @@ impl FittingTask {
         let start = Instant::now();
         let mut fitted = match (&self.data.contents, self.view) {
             (FittingContents::Material(material), _) => {
-                self.to_samples(&samples_of_material(material, USUAL_PAIRS, LARGEST_ANGLE), watch)
+                let FittingSettings { directions, within, .. } = self.settings;
+                self.to_samples(&samples_of_material(material, directions, f64::from(within)), watch)
             }
             (FittingContents::Samples(list), _) => self.to_samples(&request::listed_samples(list), watch),
             (FittingContents::Picture(read), Some(view)) => self.to_picture(read, view, watch)?,
@@ -130,7 +134,7 @@ impl FittingTask {
     }
 
     fn to_picture(&self, read: &ReadPicture, view: View, watch: &FittingWatch) -> Result<Fitted, String> {
-        let FittingSettings { metric, starts, passes } = self.settings;
+        let FittingSettings { metric, starts, passes, .. } = self.settings;
         let target = request::target(read.clone(), &self.transform)
             .map_err(|why| format!("The picture `{}` cannot be used: {why}.", self.data.name()))?;
         let failed = |error: EngineError| match error.is_cancelled() {

@@ -260,3 +260,37 @@ fn a_picture_of_another_size_gives_the_values_back_and_is_compared() {
     click(&mut harness, "Revert");
     assert!(settle(&mut harness) == before && harness.state().pane.mode == PaneMode::Current);
 }
+
+#[test]
+fn values_of_another_body_may_move_where_the_data_are_a_picture() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("wanted.exr");
+    let mut harness = fitting(PHONG);
+    let of_floor = |harness: &Harness<'_, App>| {
+        let (table, formula) = (harness.state().workshop.values().table(), harness.state().workshop.formula());
+        (table.owners().named("floor").expect("a body"), formula.parameter_named("kd").expect("a parameter"))
+    };
+    let (floor, kd) = of_floor(&harness);
+    harness.state_mut().workshop.set(floor, kd, [0.25; 3]);
+    settle(&mut harness);
+    harness.state_mut().perform(Action::SaveTo(None, path.clone()));
+    harness.state_mut().jobs.wait();
+    harness.state_mut().workshop.set(floor, kd, [0.6; 3]);
+    settle(&mut harness);
+    let boxes = |harness: &Harness<'_, App>| {
+        let of_panel = |node: &egui_kittest::Node<'_>| node.rect().left() < 780.0;
+        harness.get_all_by_role_and_label(Role::CheckBox, "kd").filter(of_panel).count()
+    };
+    let before = boxes(&harness);
+    choose(&mut harness, &path);
+    let bodies = harness.state().workshop.scene().bodies.len();
+    assert_eq!((before, boxes(&harness)), (1, bodies), "measured reflectance is of one body, and a picture of all");
+    // Those of the ball that are free as usual, and one of the floor.
+    harness.state_mut().fitting.free("floor", "kd");
+    click(&mut harness, "Start fit");
+    rest(&mut harness);
+    assert_eq!(harness.state().fitting.trouble(), None);
+    click(&mut harness, "Apply");
+    let found = harness.state().workshop.values().get(floor, kd)[0];
+    assert!((found - 0.25).abs() < 1e-3, "{found}");
+}
