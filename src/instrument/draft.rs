@@ -8,7 +8,9 @@
 use crate::instrument::Reflectance;
 use crate::instrument::direction::{STEEPEST, direction};
 use crate::instrument::hemisphere::{Integration, values_of_all};
+use crate::sampling::EvenSequence;
 use glam::{DMat3, DVec3};
+use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
 /// Points by each way of spreading.
@@ -18,24 +20,27 @@ const EXPONENTS: [f64; 3] = [30.0, 600.0, 12_000.0];
 
 /// The shares for fixed directions, each with polar angle and azimuth in degrees.
 pub(super) fn shares(model: &dyn Reflectance, over: Integration, angles: &[[f64; 2]]) -> Vec<[f64; 3]> {
-    let sets: Vec<(DVec3, Vec<(DVec3, f64)>)> = angles
-        .iter()
-        .map(|[polar, azimuth]| {
-            let fixed = direction(polar.min(STEEPEST), *azimuth);
-            (fixed, points(fixed))
-        })
-        .collect();
-    let directions: Vec<[DVec3; 2]> =
-        sets.iter().flat_map(|(fixed, points)| points.iter().map(|(moving, _)| [*fixed, *moving])).collect();
+    // Directions with the same polar angle have the same points, turned about the normal.
+    let mut polars: Vec<f64> = angles.iter().map(|[polar, _]| polar.min(STEEPEST)).collect();
+    polars.sort_by(f64::total_cmp);
+    polars.dedup();
+    let sets: Vec<Vec<(DVec3, f64)>> = polars.par_iter().map(|polar| points(direction(*polar, 0.0))).collect();
+    let set = |polar: f64| &sets[polars.partition_point(|other| *other < polar.min(STEEPEST))];
+    let turned = |[polar, azimuth]: &[f64; 2]| {
+        let turn = DMat3::from_rotation_z(azimuth.to_radians());
+        let fixed = turn * direction(polar.min(STEEPEST), 0.0);
+        set(*polar).iter().map(move |(moving, _)| [fixed, turn * *moving])
+    };
+    let directions: Vec<[DVec3; 2]> = angles.iter().flat_map(turned).collect();
     let mut values = values_of_all(model, over, &directions).into_iter();
-    let share = |(_, points): &(DVec3, Vec<(DVec3, f64)>)| {
+    let share = |[polar, _]: &[f64; 2]| {
         let mut sum = [0.0; 3];
-        for ((_, weight), value) in points.iter().zip(values.by_ref()) {
+        for ((_, weight), value) in set(*polar).iter().zip(values.by_ref()) {
             sum.iter_mut().zip(value).for_each(|(sum, value)| *sum += weight * value);
         }
         sum
     };
-    sets.iter().map(share).collect()
+    angles.iter().map(share).collect()
 }
 
 /// Directions above the horizon, with the solid angles that they stand for.
@@ -50,9 +55,8 @@ fn points(fixed: DVec3) -> Vec<(DVec3, f64)> {
     };
     let mut found = Vec::with_capacity(POINTS as usize * (lobes.len() + 1));
     for index in 0..POINTS {
-        // A low-discrepancy sequence (Roberts 2018).
-        let share = (0.5 + f64::from(index) * 0.754_877_666_246_692_8).fract();
-        let turn = TAU * (0.5 + f64::from(index) * 0.569_840_290_998_053_3).fract();
+        let [share, around] = EvenSequence::SQUARE.point(index);
+        let turn = TAU * around;
         let spread = |frame: DMat3, height: f64| {
             let radius = (1.0 - height * height).max(0.0).sqrt();
             frame * DVec3::new(radius * turn.cos(), radius * turn.sin(), height)

@@ -10,6 +10,7 @@ pub mod direction;
 #[cfg(feature = "plot")]
 mod draft;
 pub mod expressions;
+pub mod held;
 pub mod hemisphere;
 pub mod measured;
 pub mod measurement;

@@ -42,6 +42,8 @@ pub struct LobeChart {
     pub radius: ChartAxis,
     /// From where they are seen: azimuth and elevation in degrees.
     pub seen_from: [f64; 2],
+    /// Whether it is drawn quickly, without smooth edges.
+    pub is_draft: bool,
     /// The lobes.
     pub lobes: Vec<Lobe>,
 }
@@ -126,7 +128,7 @@ impl LobeChart {
         let places = arranged(&sheet.area, self.lobes.len(), 1.3, margins);
         for ((lobe, corners), area) in self.lobes.iter().zip(&surfaces).zip(places) {
             let pixels = [area.width, area.height].map(|side| side.ceil().max(1.0) as u32);
-            let mut picture = SolidPicture::new(pixels, turn, &points, theme.paper());
+            let mut picture = SolidPicture::new((pixels, self.is_draft), turn, &points, theme.paper());
             let rings: Vec<f64> = axis.ticks.iter().filter(|tick| !tick.label.is_empty()).map(|tick| place(tick.value)).collect();
             lobe.draw(&mut picture, corners, theme.curve(lobe.colour));
             draw_light(&mut picture, lobe, corners, theme);

@@ -12,8 +12,11 @@ const MOST_PIXELS: u64 = 40_000_000;
 /// Bytes for each pixel of the buffer: a depth and a colour.
 const PIXEL_BYTES: u64 = 7;
 
-/// Pixels of the buffer for each pixel of a picture of this size, along each side.
-fn fineness([width, height]: [u32; 2]) -> u32 {
+/// Pixels of the buffer for each pixel of a picture of this size, along each side. A draft has one.
+fn fineness([width, height]: [u32; 2], is_draft: bool) -> u32 {
+    if is_draft {
+        return 1;
+    }
     let fits = |fineness: &u32| u64::from(width) * u64::from(height) * u64::from(fineness * fineness) <= MOST_PIXELS;
     (2..=FINENESS).rev().find(fits).unwrap_or(1)
 }
@@ -117,9 +120,9 @@ fn shaded(normal: DVec3, colour: [u8; 3]) -> [u8; 3] {
 }
 
 impl SolidPicture {
-    /// An empty picture of `size` pixels, in which these points have room.
-    pub(super) fn new(size: [u32; 2], turn: DMat3, points: &[DVec3], paper: [u8; 3]) -> Self {
-        let fineness = fineness(size);
+    /// An empty picture of `size` pixels, in which these points have room. A draft has no smooth edges.
+    pub(super) fn new((size, is_draft): ([u32; 2], bool), turn: DMat3, points: &[DVec3], paper: [u8; 3]) -> Self {
+        let fineness = fineness(size, is_draft);
         let size = size.map(|side| side * fineness);
         let count = size[0] as usize * size[1] as usize;
         let seen = points.iter().map(|point| (turn * *point).truncate());
@@ -272,7 +275,8 @@ mod tests {
         // From above: x is to the right if the viewer stands at azimuth −90.
         let turn = turned(-90.0, 90.0);
         assert!((turn * DVec3::X).abs_diff_eq(DVec3::X, 1e-12) && (turn * DVec3::Z).abs_diff_eq(DVec3::Z, 1e-12));
-        let mut picture = SolidPicture::new([10, 10], turn, &[DVec3::splat(1.0 / 1.04), DVec3::splat(-1.0 / 1.04)], [255; 3]);
+        let mut picture =
+            SolidPicture::new(([10, 10], false), turn, &[DVec3::splat(1.0 / 1.04), DVec3::splat(-1.0 / 1.04)], [255; 3]);
         let corner =
             |x: f64, y: f64, z: f64| SolidCorner { at: DVec3::new(x, y, z), normal: DVec3::Z, ruling: DVec2::splat(0.5) };
         picture.triangle([corner(-1.0, -1.0, 0.5), corner(1.0, -1.0, 0.5), corner(-1.0, 1.0, 0.5)], [200, 0, 0]);

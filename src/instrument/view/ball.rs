@@ -10,10 +10,19 @@ use crate::instrument::{DirectionPair, Reflectance};
 use crate::plot::{Chart, ChartAxis, MapChart, MapPanel, MapValues};
 use glam::{DMat3, DVec3};
 
-/// Pixels along each side of a picture.
-const SIDE: u32 = 360;
-/// Points of a pixel along each side.
-const FINENESS: u32 = 2;
+/// The pixels of a picture of a ball.
+#[derive(Clone, Copy)]
+struct BallGrid {
+    /// Pixels along each side.
+    side: u32,
+    /// Points of a pixel along each side.
+    fineness: u32,
+}
+
+/// That of a chart, and that of a draft.
+const FINE: BallGrid = BallGrid { side: 360, fineness: 2 };
+const DRAFT: BallGrid = BallGrid { side: 240, fineness: 1 };
+
 /// The radius of the ball, where half a side is 1.
 const RADIUS: f64 = 0.88;
 /// The colour of a ball without any finite value: that of NaN in false colours.
@@ -21,46 +30,58 @@ const UNKNOWN: [f32; 3] = [1.0, 0.0, 1.0];
 /// How bright the furnace is shown, so that more than it has can be seen.
 const FURNACE: f32 = 0.5;
 
-/// The place of a point of a pixel on the ball: its normal, to the right, up, and towards the viewer. None beside it.
-fn normal_at(index: u32) -> Option<DVec3> {
-    let side = SIDE * FINENESS;
-    let place = |index: u32| (2.0 * (f64::from(index) + 0.5) / f64::from(side) - 1.0) / RADIUS;
-    let (x, y) = (place(index % side), -place(index / side));
-    let height = 1.0 - x * x - y * y;
-    (height > 0.0).then(|| DVec3::new(x, y, height.sqrt()))
+impl BallGrid {
+    fn of(settings: &ViewSettings) -> Self {
+        if settings.is_draft { DRAFT } else { FINE }
+    }
+
+    /// Points along each side.
+    fn points(self) -> u32 {
+        self.side * self.fineness
+    }
+
+    /// The place of a point of a pixel on the ball: its normal, to the right, up, and towards the viewer. None beside
+    /// it.
+    fn normal_at(self, index: u32) -> Option<DVec3> {
+        let side = self.points();
+        let place = |index: u32| (2.0 * (f64::from(index) + 0.5) / f64::from(side) - 1.0) / RADIUS;
+        let (x, y) = (place(index % side), -place(index / side));
+        let height = 1.0 - x * x - y * y;
+        (height > 0.0).then(|| DVec3::new(x, y, height.sqrt()))
+    }
+
+    /// The means of the points of each pixel.
+    fn pixels(self, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
+        let (side, fineness) = (self.points(), self.fineness);
+        let pixel = |index: u32| {
+            let (column, row) = (index % self.side * fineness, index / self.side * fineness);
+            let mut sum = [0.0; 3];
+            for within in 0..fineness * fineness {
+                let at = (row + within / fineness) * side + column + within % fineness;
+                let point = points.get(at as usize).copied().unwrap_or_default();
+                // What is brighter than white does not shine over an edge.
+                sum.iter_mut().zip(point).for_each(|(sum, component): (&mut f32, f32)| *sum += component.min(1.0));
+            }
+            sum.map(|component| component / (fineness * fineness) as f32)
+        };
+        (0..self.side * self.side).map(pixel).collect()
+    }
+
+    /// The colours of a ball by `colours`, which is given the normals of its points, before a background.
+    fn ball(self, background: [f32; 3], colours: impl FnOnce(&[DVec3]) -> Vec<[f32; 3]>) -> MapPanel {
+        let normals: Vec<Option<DVec3>> = (0..self.points().pow(2)).map(|index| self.normal_at(index)).collect();
+        let seen: Vec<DVec3> = normals.iter().copied().flatten().collect();
+        let mut colours = colours(&seen).into_iter();
+        let of_point = |normal: &Option<DVec3>| normal.and_then(|_| colours.next()).unwrap_or(background);
+        let points: Vec<[f32; 3]> = normals.iter().map(of_point).collect();
+        MapPanel { name: String::new(), size: [self.side; 2], values: MapValues::Colours(self.pixels(&points)) }
+    }
 }
 
 /// Tangent, bitangent and normal of a ball as columns; the tangent runs around the vertical axis.
 fn frame(normal: DVec3) -> DMat3 {
     let tangent = DVec3::Y.cross(normal).try_normalize().unwrap_or(DVec3::X);
     DMat3::from_cols(tangent, normal.cross(tangent), normal)
-}
-
-/// The means of the points of each pixel.
-fn pixels(points: &[[f32; 3]]) -> Vec<[f32; 3]> {
-    let side = SIDE * FINENESS;
-    let pixel = |index: u32| {
-        let (column, row) = (index % SIDE * FINENESS, index / SIDE * FINENESS);
-        let mut sum = [0.0; 3];
-        for within in 0..FINENESS * FINENESS {
-            let at = (row + within / FINENESS) * side + column + within % FINENESS;
-            let point = points.get(at as usize).copied().unwrap_or_default();
-            // What is brighter than white does not shine over an edge.
-            sum.iter_mut().zip(point).for_each(|(sum, component): (&mut f32, f32)| *sum += component.min(1.0));
-        }
-        sum.map(|component| component / (FINENESS * FINENESS) as f32)
-    };
-    (0..SIDE * SIDE).map(pixel).collect()
-}
-
-/// The colours of a ball by `colours`, which is given the normals of its points, before a background.
-fn ball(background: [f32; 3], colours: impl FnOnce(&[DVec3]) -> Vec<[f32; 3]>) -> Vec<[f32; 3]> {
-    let count = (SIDE * FINENESS) * (SIDE * FINENESS);
-    let normals: Vec<Option<DVec3>> = (0..count).map(normal_at).collect();
-    let seen: Vec<DVec3> = normals.iter().copied().flatten().collect();
-    let mut colours = colours(&seen).into_iter();
-    let points: Vec<[f32; 3]> = normals.iter().map(|normal| normal.and_then(|_| colours.next()).unwrap_or(background)).collect();
-    pixels(&points)
 }
 
 /// What is seen of a model in a white furnace, by polar angle and azimuth of the viewer.
@@ -139,7 +160,7 @@ pub(super) fn furnace(models: &[NamedModel], settings: &ViewSettings) -> Chart {
         } else {
             name = format!("{name} {told}");
         }
-        panels.push(MapPanel { name, size: [SIDE; 2], values: MapValues::Colours(ball([FURNACE; 3], colours)) });
+        panels.push(MapPanel { name, ..BallGrid::of(settings).ball([FURNACE; 3], colours) });
     }
     let bar = ChartAxis::numbers("half of the share", "", false);
     Chart::Map(MapChart { heading, axes: None, bar, panels })
@@ -152,11 +173,11 @@ pub(super) fn sphere(models: &[NamedModel], settings: &ViewSettings) -> Chart {
     for (number, model) in models.iter().enumerate() {
         for angle in &polar {
             let light = direction(*angle, 135.0 + settings.light_azimuth);
-            let values = MapValues::Colours(ball([0.03; 3], |normals| lit(model.model.as_ref(), light, normals)));
+            let ball = BallGrid::of(settings).ball([0.03; 3], |normals| lit(model.model.as_ref(), light, normals));
             let name = ViewSettings::name_among(models, number);
             let angle = if polar.len() > 1 { format!("light at {angle}°") } else { String::new() };
             let words = [name, angle].into_iter().filter(|word| !word.is_empty());
-            panels.push(MapPanel { name: words.collect::<Vec<_>>().join(", "), size: [SIDE; 2], values });
+            panels.push(MapPanel { name: words.collect::<Vec<_>>().join(", "), ..ball });
         }
     }
     let heading = settings.heading("A ball under a distant light");

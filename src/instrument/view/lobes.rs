@@ -8,12 +8,15 @@ use crate::plot::{Chart, ChartAxis, Lobe, LobeChart};
 /// The most lobes of a chart.
 const MOST_LOBES: usize = 12;
 
-/// Angles from `low` to `high`, closer to each other around `middles`, where lobes are narrow.
-fn nodes([low, high]: [f64; 2], step: f64, middles: &[f64]) -> Vec<f64> {
+/// Angles from `low` to `high`, closer to each other around `middles`, where lobes are narrow. A draft has half of
+/// them.
+fn nodes([low, high]: [f64; 2], step: f64, middles: &[f64], is_draft: bool) -> Vec<f64> {
+    let every = if is_draft { 2 } else { 1 };
+    let step = f64::from(every) * step;
     let count = ((high - low) / step).round() as u32;
     let mut angles: Vec<f64> = (0..=count).map(|index| low + step * f64::from(index)).collect();
     for middle in middles {
-        for index in 0..28 {
+        for index in (0..28).step_by(every as usize) {
             let away = 0.02 * 1.25_f64.powi(index);
             angles.extend([middle - away, middle + away]);
         }
@@ -30,8 +33,8 @@ fn lobe_of(model: &NamedModel, polar: f64, settings: &ViewSettings) -> Lobe {
     let azimuth = settings.light_azimuth;
     let light = direction(polar, azimuth);
     // The surface is closed at the normal and ends just above the horizon.
-    let rows = nodes([0.0, 89.9], 1.45, &[polar]);
-    let columns = nodes([azimuth, azimuth + 360.0], 3.0, &[azimuth + 180.0]);
+    let rows = nodes([0.0, 89.9], 1.45, &[polar], settings.is_draft);
+    let columns = nodes([azimuth, azimuth + 360.0], 3.0, &[azimuth + 180.0], settings.is_draft);
     let component = settings.component.unwrap_or(Component::Luminance);
     let pairs = rows.iter().flat_map(|row| columns.iter().map(|column| pair(light, direction(*row, *column))));
     let colours = settings.shown.of(model.model.as_ref(), &pairs.collect::<Vec<_>>());
@@ -59,6 +62,7 @@ pub(super) fn lobe(models: &[NamedModel], settings: &ViewSettings) -> Chart {
         heading: settings.heading("Reflection into all directions"),
         radius: ChartAxis::numbers(title, unit, settings.is_log),
         seen_from: [settings.light_azimuth + azimuth, elevation],
+        is_draft: settings.is_draft,
         lobes,
     })
 }

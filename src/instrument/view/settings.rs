@@ -128,7 +128,8 @@ pub struct ViewSettings {
     pub shown: Shown,
     /// From where lobes are seen: azimuth from the light's, and elevation, in degrees.
     pub seen_from: [f64; 2],
-    /// Whether integrals are drafts, right to some percent: for charts that follow a slider.
+    /// Whether charts are drafts, for those that follow a slider: drawn more coarsely, and integrals are right to some
+    /// percent.
     pub is_draft: bool,
 }
 

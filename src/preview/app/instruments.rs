@@ -6,7 +6,6 @@
 mod actions;
 mod controls;
 mod hit;
-mod model;
 mod overlays;
 mod plots;
 mod sheet;
@@ -14,6 +13,7 @@ mod verdict;
 
 pub(super) use hit::InstrumentPlace;
 
+use crate::instrument::held::{CompiledModel, HeldFormula};
 use crate::instrument::measurement::ModelMeasurement;
 use crate::instrument::model::Place;
 use crate::instrument::view::{LightUse, NamedModel, ViewSettings};
@@ -30,7 +30,6 @@ use egui::{
     Align, Button, CentralPanel, Color32, Frame, Id, Label, Layout, Margin, Panel, Rect, RichText, ScrollArea, Sense,
     TextureHandle, TextureOptions, Ui, vec2,
 };
-use model::{CompiledModel, HeldFormula};
 use overlays::Overlays;
 use sheet::{DrawnChart, SheetRequest};
 use std::sync::Arc;
@@ -87,7 +86,7 @@ pub(super) struct InstrumentPanel {
     overlays: Overlays,
     /// Grows when the models beside the formula change.
     overlays_version: u64,
-    /// Whether a slider is held, so that integrals are drafts.
+    /// Whether a slider is held, so that charts are drafts.
     is_moving: bool,
     sheets: LatestWorker<SheetRequest, DrawnChart>,
     asked: Option<SheetKey>,
@@ -308,8 +307,7 @@ impl InstrumentPanel {
 
     /// What the present chart shows, and how.
     fn settings(&self) -> ViewSettings {
-        let is_draft = self.is_moving && self.controls.view().lights == LightUse::Integrated;
-        ViewSettings { is_draft, ..self.controls.settings() }
+        ViewSettings { is_draft: self.is_moving, ..self.controls.settings() }
     }
 
     /// What the present chart is asked for.

@@ -1,10 +1,10 @@
 //! Models beside the formula in the charts: kept ones, and measured materials.
 
+use crate::instrument::held::HeldFormula;
 use crate::instrument::view::NamedModel;
 use crate::lang::display_text::one_line;
 use crate::measured::MeasuredMaterial;
 use crate::plot::ChartTheme;
-use crate::preview::app::instruments::model::HeldFormula;
 use egui::{Color32, Label, RichText, Sense, Ui, vec2};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

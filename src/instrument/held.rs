@@ -1,4 +1,4 @@
-//! The model that the instruments look at: the formula with its values.
+//! A formula that is looked at while its values move: it is compiled once, and what it reads of directions is kept.
 
 use crate::formula::Formula;
 use crate::instrument::model::{ModelProgram, ParameterNumbers, Place, PreparedPairs};
@@ -15,8 +15,9 @@ const MOST_PAIRS: usize = 1 << 21;
 
 /// A formula, compiled for pairs of directions when it is first looked at. Views ask for the same pairs in every frame,
 /// so what was prepared for them is kept.
-pub(super) struct CompiledModel {
-    pub(super) formula: Arc<Formula>,
+pub struct CompiledModel {
+    /// The formula.
+    pub formula: Arc<Formula>,
     program: OnceLock<ModelProgram>,
     kept: Mutex<VecDeque<KeptPairs>>,
 }
@@ -29,7 +30,8 @@ struct KeptPairs {
 }
 
 impl CompiledModel {
-    pub(super) fn new(formula: Arc<Formula>) -> Self {
+    /// The formula is compiled when a value is first asked for.
+    pub fn new(formula: Arc<Formula>) -> Self {
         Self { formula, program: OnceLock::new(), kept: Mutex::default() }
     }
 
@@ -56,12 +58,15 @@ impl CompiledModel {
 
 /// A formula with values of its parameters at a place.
 #[derive(Clone)]
-pub(super) struct HeldFormula {
-    pub(super) compiled: Arc<CompiledModel>,
-    pub(super) numbers: ParameterNumbers,
-    pub(super) place: Place,
+pub struct HeldFormula {
+    /// The formula.
+    pub compiled: Arc<CompiledModel>,
+    /// The values of its parameters.
+    pub numbers: ParameterNumbers,
+    /// Where on a surface.
+    pub place: Place,
     /// Whether the same pairs will be asked for again.
-    pub(super) keeps_pairs: bool,
+    pub keeps_pairs: bool,
 }
 
 impl PartialEq for HeldFormula {
