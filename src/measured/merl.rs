@@ -9,8 +9,8 @@
 //!
 //! These are the indices of `BRDFRead`, the program that was published with the database. It takes the value of the
 //! cell that the angles lie in. Here a sample stands in the *middle* of its cell, at indices plus ½, and values between
-//! are interpolated linearly in the three coordinates. In the middle of each cell both agree. Negative samples are
-//! those below the measured range, and count as 0.
+//! are interpolated linearly in the three coordinates. In the middle of each cell both agree. Where all colours are
+//! negative nothing was measured, as along the horizon; such samples are left out, and the others beside count for them.
 
 use crate::measured::error::Flaw;
 use glam::{DMat3, DVec3};
@@ -33,6 +33,9 @@ pub const FILE_BYTES: usize = HEADER + 3 * COUNT * size_of::<f64>();
 
 /// How high a direction is raised for samples that no direction above the horizon reaches: the sine of half a degree.
 const LOWEST: f64 = 0.008_726_5;
+
+/// A sample that was not measured.
+const MISSING: [f32; 3] = [-1.0; 3];
 
 /// The samples of a file, in 1/sr.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,19 +62,21 @@ impl MerlTable {
     }
 
     /// Whether a file of this length that begins with these bytes may be of this format: three plausible numbers of
-    /// samples, which the length agrees with, or those of the database.
+    /// samples, which the length agrees with, or of which two are those of the database.
     pub(super) fn is_likely(beginning: &[u8], length: u64) -> bool {
         let Some(sizes) = Self::sizes(beginning) else { return false };
         let count = sizes.iter().try_fold(1_u64, |product, size| {
             u64::try_from(*size).ok().filter(|size| (1..=4096).contains(size)).map(|size| product * size)
         });
-        sizes.map(|size| size as usize) == SIZES || count.is_some_and(|count| HEADER as u64 + 24 * count == length)
+        let known = sizes.iter().zip(SIZES).filter(|(size, usual)| **size as usize == *usual).count();
+        known >= 2 && count.is_some() || count.is_some_and(|count| HEADER as u64 + 24 * count == length)
     }
 
     /// Reads a whole file.
     ///
     /// # Errors
-    /// It has other numbers of samples, is cut off or too long, or has a sample that is no number.
+    /// It has other numbers of samples, is cut off or too long, or has a sample that is no number, or none that was
+    /// measured.
     pub(super) fn parse(bytes: &[u8]) -> Result<Self, Flaw> {
         let sizes = Self::sizes(bytes).ok_or_else(|| Flaw::at_byte(bytes.len(), "the file ends in its header"))?;
         let [theta_h, theta_d, phi_d] = SIZES;
@@ -94,23 +99,33 @@ impl MerlTable {
                     let message = format!("a sample is {value:e}, which is no reflectance");
                     return Err(Flaw::at_byte(HEADER + 8 * (plane * COUNT + index), message));
                 }
-                sample[plane] = value.max(0.0) as f32;
+                sample[plane] = value as f32;
             }
+        }
+        for sample in &mut samples {
+            let is_missing = sample.iter().all(|number| *number < 0.0);
+            *sample = if is_missing { MISSING } else { sample.map(|number| number.max(0.0)) };
+        }
+        if samples.iter().all(|sample| *sample == MISSING) {
+            return Err(Flaw::at_byte(HEADER, "all samples are negative, so nothing was measured"));
         }
         Ok(Self { samples })
     }
 
-    fn sample(&self, [theta_h, theta_d, phi_d]: [usize; 3]) -> DVec3 {
+    /// A sample; none if nothing was measured there.
+    fn sample(&self, [theta_h, theta_d, phi_d]: [usize; 3]) -> Option<DVec3> {
         let index = (theta_h * SIZES[1] + theta_d) * SIZES[2] + phi_d;
-        DVec3::from_array(self.samples[index].map(f64::from))
+        let sample = self.samples[index];
+        (sample != MISSING).then(|| DVec3::from_array(sample.map(f64::from)))
     }
 
-    /// The reflectance in 1/sr between two unit vectors above the horizon, interpolated between the samples.
+    /// The reflectance in 1/sr between two unit vectors above the horizon, interpolated between the samples that were
+    /// measured; 0 if there is none around.
     pub fn value(&self, light: DVec3, view: DVec3) -> DVec3 {
         let [theta_h, theta_d, phi_d] = coordinates(light, view);
         let axes =
             [AxisPlace::clamped(theta_h, SIZES[0]), AxisPlace::clamped(theta_d, SIZES[1]), AxisPlace::wrapped(phi_d, SIZES[2])];
-        let mut sum = DVec3::ZERO;
+        let (mut sum, mut measured) = (DVec3::ZERO, 0.0);
         for corner in 0..8 {
             let side = [corner & 1, corner >> 1 & 1, corner >> 2];
             let mut weight = 1.0;
@@ -119,15 +134,19 @@ impl MerlTable {
                 weight *= if side[axis] == 1 { between.share } else { 1.0 - between.share };
                 indices[axis] = between.indices[side[axis]];
             }
-            sum += self.sample(indices) * weight;
+            if let Some(sample) = self.sample(indices) {
+                sum += sample * weight;
+                measured += weight;
+            }
         }
-        sum
+        if measured > 0.0 { sum / measured } else { DVec3::ZERO }
     }
 
-    /// The sample of the cell that the angles lie in, in 1/sr, as `BRDFRead` looks it up.
+    /// The sample of the cell that the angles lie in, in 1/sr, as `BRDFRead` looks it up; 0 if nothing was measured
+    /// there.
     pub fn nearest(&self, light: DVec3, view: DVec3) -> DVec3 {
         let places = coordinates(light, view);
-        self.sample([0, 1, 2].map(|axis| (places[axis] as usize).min(SIZES[axis] - 1)))
+        self.sample([0, 1, 2].map(|axis| (places[axis] as usize).min(SIZES[axis] - 1))).unwrap_or(DVec3::ZERO)
     }
 }
 

@@ -40,16 +40,17 @@ const COLUMNS: [SampleColumn; 7] = [
     SampleColumn { name: "b", aliases: &["blue"], is_angle: false },
 ];
 
-/// The column of `COLUMNS` that stands at a place of each line, and what its numbers are multiplied by.
-type ColumnOrder = [(usize, f64); COLUMNS.len()];
+/// The column of `COLUMNS` that stands at each place of a line, and what its numbers are multiplied by; none for a
+/// column that is not read.
+type ColumnOrder = Vec<Option<(usize, f64)>>;
 
 /// A word of a line: its column, counted from 1, and its text.
 type ListWord<'t> = (usize, &'t str);
 
-/// The words of a line without its comment. They are separated by commas, semicolons or tabs, or by blanks alone.
+/// The words of a line without its comment. They are separated by semicolons, commas or tabs, or by blanks alone.
 fn words(line: &str) -> Vec<ListWord<'_>> {
     let line = line.split('#').next().unwrap_or_default();
-    let separator = [',', ';', '\t'].into_iter().find(|separator| line.contains(*separator));
+    let separator = [';', ',', '\t'].into_iter().find(|separator| line.contains(*separator));
     let mut words = Vec::new();
     let mut start = 0;
     let mut push = |range: std::ops::Range<usize>| {
@@ -99,29 +100,35 @@ fn named(word: &str) -> Option<(usize, f64)> {
 /// The columns by the header of a list.
 fn header(line: usize, words: &[ListWord]) -> Result<ColumnOrder, Flaw> {
     let names = || COLUMNS.map(|column| column.name).join(",");
-    let mut layout = [(0, 1.0); COLUMNS.len()];
+    let hint = || format!("a header names the columns: {}; angles may end in `_deg` or `_rad`", names());
+    let mut layout = ColumnOrder::new();
     let mut found = [false; COLUMNS.len()];
-    for (place, (column, word)) in words.iter().enumerate() {
-        let hint = || format!("a header names the columns: {}; angles may end in `_deg` or `_rad`", names());
-        let Some((index, factor)) = named(word) else {
-            return Err(Flaw::at(line, *column, format!("`{word}` is no number and no name of a column")).hint(hint()));
-        };
-        if std::mem::replace(&mut found[index], true) || place >= layout.len() {
+    for (column, word) in words {
+        let named = named(word);
+        if let Some((index, _)) = named
+            && std::mem::replace(&mut found[index], true)
+        {
             return Err(Flaw::at(line, *column, format!("there are two columns `{}`", COLUMNS[index].name)).hint(hint()));
         }
-        layout[place] = (index, factor);
+        layout.push(named);
     }
-    match found.iter().position(|found| !found) {
-        Some(index) => Err(Flaw::at(line, 1, format!("there is no column `{}`", COLUMNS[index].name))),
-        None => Ok(layout),
+    match (found.iter().position(|found| !found), words.iter().zip(&layout).find(|(_, named)| named.is_none())) {
+        (None, _) => Ok(layout),
+        (Some(_), Some(((column, word), _))) => {
+            Err(Flaw::at(line, *column, format!("`{word}` is no number and no name of a column")).hint(hint()))
+        }
+        (Some(index), None) => Err(Flaw::at(line, 1, format!("there is no column `{}`", COLUMNS[index].name)).hint(hint())),
     }
 }
 
 /// A sample by the numbers of a line.
 fn sample(line: usize, words: &[ListWord], layout: &ColumnOrder) -> Result<ReflectanceSample, Flaw> {
-    if words.len() != COLUMNS.len() {
+    // A line may end in a separator.
+    let is_excess = words.len() > layout.len() && words.last().is_some_and(|(_, word)| word.is_empty());
+    let words = &words[..words.len() - usize::from(is_excess)];
+    if words.len() != layout.len() {
         let (column, count) = (words.last().map_or(1, |(column, _)| *column), words.len());
-        let flaw = Flaw::at(line, column, format!("{count} numbers, and {} were expected", COLUMNS.len()));
+        let flaw = Flaw::at(line, column, format!("{count} numbers, and {} were expected", layout.len()));
         let comma = words.iter().any(|(_, word)| word.contains(','));
         return Err(match comma {
             true => flaw.hint("write decimal points, as in 0.5, because commas separate numbers"),
@@ -129,9 +136,16 @@ fn sample(line: usize, words: &[ListWord], layout: &ColumnOrder) -> Result<Refle
         });
     }
     let mut numbers = [0.0; COLUMNS.len()];
-    for ((column, word), (index, factor)) in words.iter().zip(layout) {
-        let number = word.parse::<f64>().ok().filter(|number| number.is_finite() && number.abs() <= f64::from(f32::MAX));
-        let number = number.ok_or_else(|| Flaw::at(line, *column, format!("`{word}` is no number")))?;
+    for ((column, word), of) in words.iter().zip(layout) {
+        let Some((index, factor)) = of else { continue };
+        let flaw = |what: &str| Flaw::at(line, *column, format!("`{word}` is {what}"));
+        let number = word.parse::<f64>().map_err(|_| match word.contains(',') {
+            true => flaw("no number").hint("write decimal points, as in 0.5"),
+            false => flaw("no number"),
+        })?;
+        if !number.is_finite() || number.abs() > f64::from(f32::MAX) {
+            return Err(flaw("no finite number of single precision"));
+        }
         let angle = number * factor;
         let is_polar = COLUMNS[*index].name.starts_with("theta");
         if is_polar && !(0.0..std::f64::consts::FRAC_PI_2).contains(&angle) {
@@ -173,19 +187,20 @@ impl ReflectanceSamples {
         for (index, line) in text.lines().enumerate() {
             let words = words(line);
             let Some((_, first)) = words.first() else { continue };
-            let layout = match layout {
+            let layout = match &mut layout {
                 Some(layout) => layout,
-                None if first.parse::<f64>().is_err() => {
+                None if first.replace(',', ".").parse::<f64>().is_err() => {
                     layout = Some(header(index + 1, &words)?);
                     continue;
                 }
                 None => {
-                    let plain =
-                        std::array::from_fn(|index| (index, if COLUMNS[index].is_angle { 1.0_f64.to_radians() } else { 1.0 }));
-                    *layout.insert(plain)
+                    let plain = |(index, column): (usize, &SampleColumn)| {
+                        Some((index, if column.is_angle { 1.0_f64.to_radians() } else { 1.0 }))
+                    };
+                    layout.insert(COLUMNS.iter().enumerate().map(plain).collect())
                 }
             };
-            samples.push(sample(index + 1, &words, &layout)?);
+            samples.push(sample(index + 1, &words, layout)?);
         }
         let hint = || format!("a line is {}", COLUMNS.map(|column| column.name).join(","));
         if samples.is_empty() { Err(Flaw::new("it has no samples").hint(hint())) } else { Ok(Self { samples }) }

@@ -124,10 +124,42 @@ fn the_writer_and_the_reader_of_merl_files_agree_on_units() {
 }
 
 #[test]
-fn negative_samples_count_as_zero() {
-    let mut bytes = merl::bytes(|_, _| DVec3::ONE);
+fn samples_that_were_not_measured_are_left_out() {
+    let set = |bytes: &mut [u8], plane: usize, index: usize, value: f64| {
+        bytes[12 + 8 * (plane * 90 * 90 * 180 + index)..][..8].copy_from_slice(&value.to_le_bytes());
+    };
+    // As in files of the database, cells whose middle is below the horizon have negative numbers.
+    let white = DVec3::new(0.5, 0.25, 1.0) / PI;
+    let mut bytes = merl::bytes(|_, _| white);
+    let index = |cell: [usize; 3]| (cell[0] * 90 + cell[1]) * 180 + cell[2];
+    let mut missing = 0;
+    for (theta_h, theta_d, phi_d) in (0..90).flat_map(|h| (0..90).flat_map(move |d| (0..180).map(move |phi| (h, d, phi)))) {
+        let middle = |index: usize, count: f64| (index as f64 + 0.5) / count;
+        let half_angle = middle(theta_h, 90.0).powi(2) * PI / 2.0;
+        let in_half = direction(middle(theta_d, 90.0) * PI / 2.0, middle(phi_d, 180.0) * PI);
+        let turn = glam::DQuat::from_rotation_y(half_angle);
+        let light = turn * in_half;
+        let view = turn * DVec3::new(-in_half.x, -in_half.y, in_half.z);
+        if light.z <= 0.0 || view.z <= 0.0 {
+            (0..3).for_each(|plane| set(&mut bytes, plane, index([theta_h, theta_d, phi_d]), -1.0));
+            missing += 1;
+        }
+    }
+    assert!(missing > 100_000);
+    let known = material(&bytes);
+    for theta in [0.0, 1.0, 1.5, 1.555] {
+        for view in [DVec3::Z, direction(1.2, 0.7), direction(1.5, 2.0), direction(1.55, 3.1)] {
+            assert!(close(known.value(direction(theta, 0.2), view), white, 1e-6, 0.0), "{theta} {view}");
+        }
+    }
+    // One negative colour alone is 0.
+    let mut bytes = merl::bytes(|_, _| white);
+    (0..90 * 90 * 180).for_each(|index| set(&mut bytes, 1, index, -0.01));
+    let value = material(&bytes).value(DVec3::Z, direction(0.5, 1.0));
+    assert!(close(value, DVec3::new(0.5, 0.0, 1.0) / PI, 1e-6, 1e-12), "{value}");
     bytes[12..].as_chunks_mut::<8>().0.iter_mut().for_each(|number| *number = (-1.0_f64).to_le_bytes());
-    assert_eq!(material(&bytes).value(DVec3::Z, direction(0.5, 1.0)), DVec3::ZERO);
+    let error = Measurement::of_bytes("none.binary", &bytes).expect_err("nothing");
+    assert!(error.to_string().contains("all samples are negative, so nothing was measured"), "{error}");
 }
 
 #[test]
@@ -191,6 +223,12 @@ fn lists_of_samples_are_read() {
     assert_eq!(samples[0].value, DVec3::new(1.0, 2.0, 3.0));
     assert!(samples[0].light.abs_diff_eq(direction(PI / 4.0, PI / 2.0), 1e-12));
     assert!(samples[0].view.abs_diff_eq(direction(0.25, 0.5), 1e-12));
+    // As other programs write lists: a separator at the end, and columns beside.
+    let more = "weight,theta_i,phi_i,theta_o,phi_o,r,g,b,note,\n0.5,10,20,30,40,0.1,0.2,0.3,,\n";
+    let samples = ReflectanceSamples::of_text("c.csv", more).expect("samples").samples;
+    assert_eq!((samples.len(), samples[0].value), (1, DVec3::new(0.1, 0.2, 0.3)));
+    let samples = ReflectanceSamples::of_text("d.csv", "10,20,30,40,0.1,0.2,0.3,\n").expect("samples").samples;
+    assert_eq!(samples[0].value, DVec3::new(0.1, 0.2, 0.3));
 }
 
 #[test]
@@ -200,7 +238,9 @@ fn mistakes_in_lists_of_samples_are_explained() {
         ("# only\n", "it has no samples"),
         ("1,2,3,4,5,6\n", "line 1, column 11: 6 numbers, and 7 were expected"),
         ("0,0,0,0,1,1,1\n0,0,0, x7,1,1,1\n", "line 2, column 8: `x7` is no number"),
-        ("0,0,0,0,1,1,inf\n", "line 1, column 13: `inf` is no number"),
+        ("0,0,0,0,1,1,inf\n", "line 1, column 13: `inf` is no finite number of single precision"),
+        ("0;0;0;0;0,5;1;1\n", "line 1, column 9: `0,5` is no number"),
+        ("0,0,0,0,1,1,1,1,\n", "line 1, column 17: 8 numbers, and 7 were expected"),
         ("0,0,90,0,1,1,1\n", "line 1, column 5: the polar angle `90` is not from 0 to less than 90 degrees"),
         ("theta_i,phi_i,theta_o,phi_o,r,g\n", "line 1, column 1: there is no column `b`"),
         ("theta_i,phi_i,theta_o,phi_o,r,r,g\n", "line 1, column 31: there are two columns `r`"),
@@ -216,6 +256,11 @@ fn mistakes_in_lists_of_samples_are_explained() {
 fn files_of_other_formats_are_explained() {
     let merl = merl::bytes(|_, _| DVec3::ONE);
     let other_sizes = [&90_i32.to_le_bytes()[..], &90_i32.to_le_bytes(), &1_i32.to_le_bytes(), &[0; 24 * 8100]].concat();
+    let turned = {
+        let mut bytes = merl.clone();
+        bytes[8..12].copy_from_slice(&360_i32.to_le_bytes());
+        bytes
+    };
     let nan = {
         let mut bytes = merl.clone();
         bytes[12 + 8 * 5..][..8].copy_from_slice(&f64::NAN.to_le_bytes());
@@ -226,6 +271,7 @@ fn files_of_other_formats_are_explained() {
         (&b"\x7fELF\0\0\0\0\0\0\0\0\0\0"[..], "it is of no known format"),
         (&merl[..1000], "the file is cut off: it has 1000 bytes, and 34992012 were expected (at byte 1000)"),
         (&other_sizes, "it has 90×90×1 samples, and 90×90×180 were expected (at byte 0)"),
+        (&turned, "it has 90×90×360 samples, and 90×90×180 were expected (at byte 0)"),
         (&nan, "a sample is NaN, which is no reflectance (at byte 52)"),
         (b"tensor_file\0\x02\x00", "the version of the tensor file is 2.0, and 1.0 was expected (at byte 12)"),
         (b"tensor_file\0\x01\x00", "the file ends in its header (at byte 14)"),
