@@ -27,9 +27,10 @@ use illuminator::lang::display_text::one_line;
 use illuminator::lang::variables::Owner;
 use illuminator::measured::{MeasuredMaterial, Measurement};
 use illuminator::picture::{Format, Frame, read_picture};
+use illuminator::workspace::assignment::Assignment;
 use illuminator::workspace::project::Project;
 use illuminator::workspace::session::Session;
-use illuminator::workspace::{FileKind, Location, Values};
+use illuminator::workspace::{FileKind, Location, OwnerId, Values, kind_of_file};
 use report::FitReport;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -38,7 +39,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 /// Options of `fit`.
-#[derive(Args, Debug)]
+#[derive(Args, Debug, Clone)]
 pub(super) struct Options {
     #[command(flatten)]
     input: InputOptions,
@@ -63,14 +64,12 @@ pub(super) struct Options {
     /// Starts: the values at hand, and others spread over the ranges, 1 to 1000
     #[arg(long, value_name = "N", value_parser = whole(1_u32..=1000), default_value = "8", allow_negative_numbers = true)]
     starts: u32,
-    /// Pairs of directions at which a measured material is compared, 100 to 1000000
-    #[arg(long, value_name = "N", value_parser = whole(PAIR_COUNTS), default_value_t = USUAL_PAIRS,
-        allow_negative_numbers = true)]
-    directions: usize,
-    /// Compare a measured material up to this angle from the normal, in degrees
-    #[arg(long, value_name = "DEGREES", value_parser = whole(PAIR_ANGLES), default_value_t = LARGEST_ANGLE as u32,
-        allow_negative_numbers = true)]
-    within: u32,
+    /// Pairs of directions at which a measured material is compared, 100 to 1000000 [default: 10000]
+    #[arg(long, value_name = "N", value_parser = whole(PAIR_COUNTS), allow_negative_numbers = true)]
+    directions: Option<usize>,
+    /// Compare a measured material up to this angle from the normal, in degrees, 10 to 89 [default: 80]
+    #[arg(long, value_name = "DEGREES", value_parser = whole(PAIR_ANGLES), allow_negative_numbers = true)]
+    within: Option<u32>,
     /// Write a session with the fitted values
     #[arg(long = "output", short, value_name = "SESSION.toml")]
     output: Option<PathBuf>,
@@ -102,11 +101,34 @@ pub(super) struct FitOutcome {
     undefined: Option<[usize; 2]>,
     /// The pictures before and after, of a fit to a picture.
     pictures: Option<[Frame; 2]>,
+    /// Whether it was a formula alone, so that its values count for every body.
+    is_alone: bool,
     seconds: f64,
 }
 
 /// Fits.
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
+    match options.with_formula_named() {
+        Some(options) => run_named(&options),
+        None => run_named(options),
+    }
+}
+
+impl Options {
+    /// The same options with the formula in its place, if a formula is named where a session can be.
+    fn with_formula_named(&self) -> Option<Self> {
+        let name = self.input.session.as_ref().filter(|_| self.input.formula.is_none())?;
+        let location = Location::new(name);
+        let path = location.file().filter(|path| path.is_file())?;
+        let source = location.read(FileKind::Session, Readable::Regular).ok()?;
+        let is_formula = kind_of_file(path, source.text()) == FileKind::Formula;
+        let input = InputOptions { formula: Some(name.clone()), session: None, ..self.input.clone() };
+        is_formula.then(|| Self { input, ..self.clone() })
+    }
+}
+
+/// Fits, with the formula where it belongs.
+fn run_named(options: &Options) -> Result<(), Failure> {
     if let Some(path) = options.output.as_deref().filter(|path| path.extension().is_none_or(|suffix| suffix != "toml")) {
         return Err(Failure::command_line(format!("`{}` is no name of a session: it ends in .toml", path.display())));
     }
@@ -122,6 +144,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     }
     let owners = owners(options, &project)?;
     let target = target(options, &mut project)?;
+    warn_of_unused(options, &target);
     let unknowns = unknowns(options, &project, owners)?;
     let cancelled = cancelled_by_signals();
     let outcome = on_threads(&options.input.machine, || fit(options, &project, owners, &target, unknowns, &cancelled))??;
@@ -149,6 +172,25 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         chart.write(&charts::chart(&project, owners, &target, &outcome, &described))?;
     }
     Ok(())
+}
+
+/// Warns of options that change nothing for what is fitted to.
+fn warn_of_unused(options: &Options, target: &FitTarget) {
+    let (is_material, is_picture) = match target {
+        FitTarget::Material(..) => (true, false),
+        FitTarget::Samples(_) => (false, false),
+        FitTarget::Picture(_) => (false, true),
+    };
+    let InputOptions { size, depth, .. } = &options.input;
+    let of_pictures = [("--size", size.is_some()), ("--depth", depth.is_some()), ("--samples", options.passes.samples.is_some())];
+    let of_materials = [("--directions", options.directions.is_some()), ("--within", options.within.is_some())];
+    let unused = |is_used: bool| move |(_, is_given): &(&str, bool)| *is_given && !is_used;
+    for (option, _) in of_materials.into_iter().filter(unused(is_material)) {
+        warn(format!("`{option}` counts for measured materials only"));
+    }
+    for (option, _) in of_pictures.into_iter().filter(unused(is_picture)) {
+        warn(format!("`{option}` counts for pictures only"));
+    }
 }
 
 fn metric(options: &Options) -> Metric {
@@ -195,7 +237,8 @@ fn target(options: &Options, project: &mut Project) -> Result<FitTarget, Failure
     })?;
     Ok(match read {
         Measurement::Material(material) => {
-            let samples = samples_of_material(&material, options.directions, f64::from(options.within));
+            let within = options.within.map_or(LARGEST_ANGLE, f64::from);
+            let samples = samples_of_material(&material, options.directions.unwrap_or(USUAL_PAIRS), within);
             FitTarget::Material(material, samples)
         }
         Measurement::Samples(list) => {
@@ -204,6 +247,10 @@ fn target(options: &Options, project: &mut Project) -> Result<FitTarget, Failure
                 warn(
                     "all polar angles are below 1.6 degrees; if they are radians, a header must name them theta_i_rad and so on",
                 );
+            }
+            let negative = list.samples.iter().filter(|sample| sample.value.min_element() < 0.0).count();
+            if negative > 0 {
+                warn(format!("{negative} of {} samples are negative somewhere; no surface reflects so", list.samples.len()));
             }
             FitTarget::Samples(request::listed_samples(&list))
         }
@@ -276,8 +323,26 @@ fn fit(
         }
     };
     let seconds = start.elapsed().as_secs_f64();
-    let values = request::fitted(&project.values, &unknowns, &solution);
-    Ok(FitOutcome { solution, unknowns, values, undefined, pictures, seconds })
+    let mut values = request::fitted(&project.values, &unknowns, &solution);
+    let is_alone = formula_alone(options).is_some();
+    if let (true, Some(body)) = (is_alone, owners.body) {
+        set_all_bodies(&mut values, body);
+    }
+    Ok(FitOutcome { solution, unknowns, values, undefined, pictures, is_alone, seconds })
+}
+
+/// Gives all bodies the values of one.
+fn set_all_bodies(values: &mut Values, body: OwnerId) {
+    let table = values.table();
+    let ids: Vec<_> = table.parameters_of(Owner::Body).collect();
+    let all = table.owners().of_kind(Owner::Body).filter(|owner| *owner != body);
+    let assignments = all.flat_map(|owner| ids.iter().map(move |id| (owner, *id))).map(|(owner, parameter)| {
+        let numbers = values.get(body, parameter);
+        let value = std::array::from_fn(|component| numbers[component % numbers.len()]);
+        Assignment { owner, parameter, value }
+    });
+    let assignments: Vec<Assignment> = assignments.collect();
+    values.assign(&assignments);
 }
 
 /// What is fitted, in words.

@@ -68,7 +68,7 @@ pub(super) struct MachineOptions {
 }
 
 /// How many passes a picture is the mean of.
-#[derive(Args, Debug, Default)]
+#[derive(Args, Debug, Default, Clone)]
 pub(super) struct PassOptions {
     /// Take the mean of N passes, 1 to 65536: in each, rays go through other points of their pixels, and hits take
     /// other points of lights [default: that of the session, or 1]

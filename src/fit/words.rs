@@ -60,10 +60,13 @@ pub fn undetermined(names: &[String], is_stepwise: bool) -> String {
     }
 }
 
+/// Below this, a residual is nothing but rounding: reflectance and colours are about 0.1 to 1.
+const EXACT: f64 = 1e-5;
+
 /// What to think of if residuals before and after are almost the same.
 pub fn hardly_fell([before, after]: [f64; 2]) -> Option<&'static str> {
     let text = "the residual hardly fell: do the data belong to this model, and are transfer, exposure and scene the same?";
-    (after > 0.9 * before && before > 0.0).then_some(text)
+    (after > 0.9 * before && before > EXACT).then_some(text)
 }
 
 /// How many starts came to the minimum, from the residual and the number of evaluations of each, and the residual

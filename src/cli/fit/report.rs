@@ -84,7 +84,10 @@ impl FitReport {
                     [one] => one.to_string(),
                     all => format!("<{}>", all.iter().map(f32::to_string).collect::<Vec<_>>().join(",")),
                 };
-                format!("{}={text}", project.values.table().label(owner, id))
+                match outcome.is_alone {
+                    true => format!("*.{}={text}", project.values.table().parameter(id).name),
+                    false => format!("{}={text}", project.values.table().label(owner, id)),
+                }
             })
         };
         let start_report = |start: &illuminator::fit::solve::StartOutcome| StartReport {
