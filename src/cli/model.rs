@@ -6,7 +6,7 @@ use crate::cli::progress::Progress;
 use crate::cli::report::{Failure, warn};
 use clap::Args;
 use illuminator::engine::Task;
-use illuminator::files::Readable;
+use illuminator::files::{Readable, open_regular};
 use illuminator::formula::{Formula, ParameterId};
 use illuminator::instrument::Reflectance;
 use illuminator::instrument::model::{FormulaModel, ModelProgram, ParameterNumbers, Place};
@@ -24,6 +24,8 @@ use illuminator::workspace::presets::{self, DEFAULT_SESSION};
 use illuminator::workspace::project::{Project, Request, SessionText};
 use illuminator::workspace::{FileKind, Location, NamedAssignment, OwnerId, Owners, Values};
 use std::ffi::{OsStr, OsString};
+use std::fs::OpenOptions;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -258,11 +260,19 @@ fn measured(material: Arc<MeasuredMaterial>, path: PathBuf) -> OpenedModel {
     OpenedModel { named, described: one_line(&path.display().to_string()), valued: None, files: vec![path] }
 }
 
-/// Whether a path is that of a measured material, by its suffix.
+/// Whether a path is that of a measured material, by its suffix or because it begins as no text does.
 fn is_measured(path: &Path) -> bool {
     let suffix = path.extension().map(|suffix| suffix.to_string_lossy().to_lowercase()).unwrap_or_default();
     // Texts may be formulas.
-    suffix != "txt" && FORMATS.iter().any(|format| format.suffixes.contains(&suffix.as_str()))
+    suffix != "txt" && FORMATS.iter().any(|format| format.suffixes.contains(&suffix.as_str())) || begins_as_binary(path)
+}
+
+/// Whether a regular file has a byte 0 among its first ones.
+fn begins_as_binary(path: &Path) -> bool {
+    const BEGINNING: u64 = 256;
+    let Ok((file, _)) = open_regular(path, OpenOptions::new().read(true)) else { return false };
+    let mut bytes = Vec::new();
+    file.take(BEGINNING).read_to_end(&mut bytes).is_ok() && bytes.contains(&0)
 }
 
 /// Reads what a name stands for. Of built-in files with one name, those of the preferred kind count.

@@ -9,10 +9,10 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use illuminator::files::{reason, replace_file};
 use illuminator::instrument::direction::STEEPEST;
-use illuminator::instrument::view::{Component, InstrumentView, NamedModel, Shown, VIEWS, ViewChoice, ViewSettings};
+use illuminator::instrument::view::{Component, InstrumentView, MOST_LOBES, NamedModel, Shown, VIEWS, ViewChoice, ViewSettings};
 use illuminator::lang::diagnostic::Diagnostic;
 use illuminator::lang::memory_size::MemorySize;
-use illuminator::plot::{Chart, ChartFormat, ChartTheme};
+use illuminator::plot::{Chart, ChartFormat, ChartTheme, Curve, plain};
 use illuminator::trace::usable_memory;
 use std::ffi::OsString;
 use std::io::Write;
@@ -150,9 +150,15 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         check_distinct(&options.output, &files)?;
     }
     let subtitle = if models.len() == 1 { first.described } else { String::new() };
+    let lobes = models.len() * options.theta.len().max(1);
+    if options.view.name == "lobe" && lobes > MOST_LOBES {
+        let message = format!("a chart has at most {MOST_LOBES} lobes, and these models and angles make {lobes}");
+        return Err(Failure::command_line(message));
+    }
     let settings = settings(options, subtitle);
     let chart = on_threads(&options.model.machine, || options.view.chart(&models, &settings))?;
-    warn_of_nothing(&chart, &models);
+    warn_of_nothing(&chart, &models, options.log);
+    warn_of_equal_curves(&chart);
     write(options, format, &chart)
 }
 
@@ -194,16 +200,45 @@ fn warn_of_unused(options: &Options) {
     }
 }
 
-/// Warns of a chart in which there is nothing but 0, or no number at all.
-fn warn_of_nothing(chart: &Chart, models: &[NamedModel]) {
-    let (Chart::Cartesian(_) | Chart::Polar(_)) = chart else { return };
+/// Warns of a chart in which there is nothing to be seen, and of numbers that are not seen as what they are.
+fn warn_of_nothing(chart: &Chart, models: &[NamedModel], is_log: bool) {
+    let angles = match chart {
+        Chart::Cartesian(_) | Chart::Polar(_) => 1,
+        Chart::Map(_) => 2,
+        Chart::Lobe(_) => 4,
+    };
     let table = chart.table();
-    let numbers = || table.rows.iter().flat_map(|row| row.iter().skip(1));
+    let numbers = || table.rows.iter().flat_map(|row| row.iter().skip(angles));
     let which = if models.len() == 1 { "the model" } else { "every model" };
     if numbers().all(|number| !number.is_finite()) {
         warn(format!("{which} has no finite value for these directions"));
     } else if numbers().all(|number| *number == 0.0 || !number.is_finite()) {
         warn(format!("{which} is 0 for all of these directions"));
+    } else if is_log && numbers().all(|number| number.is_nan() || *number <= 0.0) {
+        warn("no value is above 0, so a logarithmic scale shows nothing");
+    } else if numbers().any(|number| *number < 0.0) {
+        let least = numbers().copied().fold(f64::INFINITY, f64::min);
+        warn(format!("some values are negative, down to {least:.3}; only axes and numbers show that"));
+    }
+    if numbers().any(|number| number.is_nan()) && !numbers().all(|number| !number.is_finite()) {
+        warn("some values are no numbers; pictures show them in magenta, and curves have gaps there");
+    }
+}
+
+/// Warns of curves that look the same.
+fn warn_of_equal_curves(chart: &Chart) {
+    let curves = match chart {
+        Chart::Cartesian(chart) => &chart.curves,
+        Chart::Polar(chart) => &chart.curves,
+        Chart::Map(_) | Chart::Lobe(_) => return,
+    };
+    let look = |curve: &Curve| (curve.colour, curve.dashes);
+    let equal = curves.iter().enumerate().find_map(|(index, curve)| {
+        let earlier = curves[..index].iter().find(|earlier| look(earlier) == look(curve))?;
+        Some([earlier, curve].map(|curve| plain(&curve.name)))
+    });
+    if let Some([one, other]) = equal {
+        warn(format!("there are more curves than looks: `{one}` and `{other}` look the same"));
     }
 }
 

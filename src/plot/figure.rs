@@ -98,6 +98,11 @@ pub fn subscript(letter: &str, low: char) -> String {
     format!("{letter}{SUBSCRIPT}{low}")
 }
 
+/// A text of a chart for where there are no small low letters.
+pub fn plain(text: &str) -> String {
+    text.chars().filter(|letter| *letter != SUBSCRIPT).collect()
+}
+
 /// A drawing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {

@@ -3,7 +3,7 @@
 use crate::plot::axis::ChartAxis;
 use crate::plot::colours::mixed;
 use crate::plot::curve::ChartHeading;
-use crate::plot::figure::{Anchor, Figure, FigureMark};
+use crate::plot::figure::{Anchor, Figure, FigureMark, plain};
 use crate::plot::layout::ChartSheet;
 use crate::plot::number_table::NumberTable;
 use crate::plot::panels::{arranged, caption};
@@ -164,8 +164,12 @@ impl LobeChart {
     /// The numbers: a row for each direction, with its angles and its numbers. The lobes have the same directions, or
     /// each has a table of its own below the others.
     pub fn table(&self) -> NumberTable {
-        let columns = ["lobe", "incoming angle (°)", "outgoing angle (°)", "outgoing azimuth (°)"].map(str::to_owned);
-        let columns = columns.into_iter().chain([self.radius.full_title()]).collect();
+        let named = self.lobes.iter().zip(1..).filter(|(lobe, _)| !lobe.name.is_empty());
+        let names: Vec<String> = named.map(|(lobe, number)| format!("{number}: {}", plain(&lobe.name))).collect();
+        let lobe = if names.is_empty() { "lobe".to_owned() } else { format!("lobe ({})", names.join("; ")) };
+        let angles = ["incoming angle (°)", "outgoing angle (°)", "outgoing azimuth (°)"].map(str::to_owned);
+        let columns = std::iter::once(lobe).chain(angles);
+        let columns = columns.chain([self.radius.full_title()]).collect();
         let mut rows = Vec::new();
         for (number, lobe) in self.lobes.iter().enumerate() {
             for (row, polar) in lobe.polar.iter().enumerate() {

@@ -16,7 +16,7 @@ use crate::plot::typeface::width;
 pub enum MapValues {
     /// Numbers, in false colours.
     Numbers(Vec<f64>),
-    /// Linear colours, red, green, blue, which are shown as they are: 1 is the brightest.
+    /// Linear colours, red, green, blue, which are shown as they are: 1 is the brightest. NaN is magenta.
     Colours(Vec<[f32; 3]>),
 }
 
@@ -52,7 +52,13 @@ impl MapPanel {
 
     fn bitmap(&self, bar: &FittedAxis) -> Bitmap {
         let bytes = match &self.values {
-            MapValues::Colours(colours) => quantise(colours, Transfer::Srgb),
+            MapValues::Colours(colours) => {
+                let mut bytes = quantise(colours, Transfer::Srgb);
+                let (pixels, _) = bytes.as_chunks_mut::<3>();
+                let odd = pixels.iter_mut().zip(colours).filter(|(_, colour)| colour.iter().any(|number| number.is_nan()));
+                odd.for_each(|(pixel, _)| *pixel = false_colour(f64::NAN));
+                bytes
+            }
             MapValues::Numbers(numbers) => numbers.iter().flat_map(|number| false_colour(bar.place(*number))).collect(),
         };
         Bitmap::of_bytes(self.size, bytes)

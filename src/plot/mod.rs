@@ -30,7 +30,7 @@ pub use cartesian::{CartesianChart, ReferenceLine};
 pub use chart::Chart;
 pub use colours::false_colour;
 pub use curve::{ChartHeading, Curve, Dashes};
-pub use figure::{Anchor, Figure, FigureMark, Ink, Stroke, subscript};
+pub use figure::{Anchor, Figure, FigureMark, Ink, Stroke, plain, subscript};
 pub use format::ChartFormat;
 pub use lobe::{Lobe, LobeChart};
 pub use map::{MapChart, MapPanel, MapValues};

@@ -3,8 +3,9 @@
 use crate::instrument::albedo::albedos;
 use crate::instrument::direction::{direction, pair};
 use crate::instrument::draft;
+use crate::instrument::expressions::spread_pairs;
 use crate::instrument::hemisphere::Integration;
-use crate::instrument::survey::ModelSurvey;
+use crate::instrument::survey::{ModelSurvey, depends_on_azimuth};
 use crate::instrument::view::settings::{NamedModel, ViewSettings};
 use crate::instrument::{DirectionPair, Reflectance};
 use crate::plot::{Chart, ChartAxis, MapChart, MapPanel, MapValues};
@@ -25,8 +26,8 @@ const DRAFT: BallGrid = BallGrid { side: 240, fineness: 1 };
 
 /// The radius of the ball, where half a side is 1.
 const RADIUS: f64 = 0.88;
-/// The colour of a ball without any finite value: that of NaN in false colours.
-const UNKNOWN: [f32; 3] = [1.0, 0.0, 1.0];
+/// The colour of a ball without any finite value.
+const UNKNOWN: [f32; 3] = [f32::NAN; 3];
 /// How bright the furnace is shown, so that more than it has can be seen.
 const FURNACE: f32 = 0.5;
 
@@ -59,8 +60,9 @@ impl BallGrid {
             for within in 0..fineness * fineness {
                 let at = (row + within / fineness) * side + column + within % fineness;
                 let point = points.get(at as usize).copied().unwrap_or_default();
-                // What is brighter than white does not shine over an edge.
-                sum.iter_mut().zip(point).for_each(|(sum, component): (&mut f32, f32)| *sum += component.min(1.0));
+                // What is brighter than white does not shine over an edge. NaN stays.
+                let kept = |component: f32| if component > 1.0 { 1.0 } else { component };
+                sum.iter_mut().zip(point).for_each(|(sum, component): (&mut f32, f32)| *sum += kept(component));
             }
             sum.map(|component| component / (fineness * fineness) as f32)
         };
@@ -99,7 +101,9 @@ impl FurnaceTable {
 
     fn new(model: &dyn Reflectance, is_draft: bool) -> Self {
         if is_draft {
-            let steps = [12, 8];
+            // Few pairs are enough to tell apart what an eye can.
+            let pairs: Vec<DirectionPair> = spread_pairs().into_iter().step_by(41).collect();
+            let steps = if depends_on_azimuth(model, &pairs) { [12, 8] } else { [12, 1] };
             let shares = draft::shares(model, Integration::OverLights, &Self::angles(steps));
             return Self { steps, shares, is_known: true, has_odd: false };
         }

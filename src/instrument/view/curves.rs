@@ -57,7 +57,7 @@ fn reflection_curves(models: &[NamedModel], polar: &[f64], settings: &ViewSettin
                 let (colour, dashes) = match own_colour.filter(|_| !is_colour_free) {
                     Some(colour) => (colour, index * models.len() + number),
                     // More curves than colours differ by their dashes.
-                    None if models.len() > 1 => (number % CURVE_COLOURS, index + number / CURVE_COLOURS),
+                    None if models.len() > 1 => (number % CURVE_COLOURS, index + polar.len() * (number / CURVE_COLOURS)),
                     None => (index % CURVE_COLOURS, index / CURVE_COLOURS),
                 };
                 curves.push(Curve {
@@ -99,12 +99,16 @@ pub(super) fn polar(models: &[NamedModel], settings: &ViewSettings) -> Chart {
     let curves = reflection_curves(models, &polar, settings);
     let by_angle = polar.len() > 1 && models.len() == 1 && settings.component != Some(Component::Each);
     let colour_of = |index: usize| if by_angle { index % CURVE_COLOURS } else { CURVE_COLOURS };
+    // At which side of the plane of the curves light comes from, if it comes from within that plane.
+    let (across, along) = settings.plane.to_radians().sin_cos();
+    let side = |angle: f64| (across.abs() < 1e-6 || angle == 0.0).then_some(-angle.copysign(angle * along));
+    let arrows = polar.iter().enumerate().filter_map(|(index, angle)| Some((side(*angle)?, colour_of(index))));
     Chart::Polar(PolarChart {
         heading: reflection_heading(models, &polar, settings),
         angle: ChartAxis::angles("outgoing angle", [-90.0, 90.0]),
         radius: ChartAxis::numbers(title, unit, settings.is_log),
         curves,
-        arrows: polar.iter().enumerate().map(|(index, angle)| (-angle, colour_of(index))).collect(),
+        arrows: arrows.collect(),
     })
 }
 

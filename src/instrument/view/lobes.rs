@@ -6,7 +6,7 @@ use crate::instrument::view::settings::{Component, NamedModel, ViewSettings};
 use crate::plot::{Chart, ChartAxis, Lobe, LobeChart};
 
 /// The most lobes of a chart.
-const MOST_LOBES: usize = 12;
+pub const MOST_LOBES: usize = 12;
 
 /// Angles from `low` to `high`, closer to each other around `middles`, where lobes are narrow. A draft has half of
 /// them.

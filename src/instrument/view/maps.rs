@@ -49,7 +49,10 @@ pub(super) fn slice(models: &[NamedModel], settings: &ViewSettings) -> Chart {
     Chart::Map(MapChart {
         heading: settings.heading(title),
         axes: Some(names.map(|(name, mark)| ChartAxis::angles(&format!("{name}{}", subscript("θ", mark)), [0.0, 90.0]))),
-        bar: ChartAxis::numbers("BRDF", "1/sr", settings.is_log),
+        bar: match shows_numbers {
+            true => ChartAxis::numbers("BRDF", "1/sr", settings.is_log),
+            false => ChartAxis::numbers("π · BRDF", "", false),
+        },
         panels: panels.collect(),
     })
 }

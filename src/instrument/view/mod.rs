@@ -9,6 +9,7 @@ mod maps;
 mod settings;
 
 use crate::plot::Chart;
+pub use lobes::MOST_LOBES;
 pub use settings::{Component, NamedModel, Shown, ViewSettings};
 
 /// What can be chosen for some views.
