@@ -6,6 +6,7 @@
 mod actions;
 mod controls;
 mod hit;
+mod legend;
 mod overlays;
 mod plots;
 mod sheet;
@@ -17,7 +18,7 @@ use crate::instrument::held::{CompiledModel, HeldFormula};
 use crate::instrument::measurement::ModelMeasurement;
 use crate::instrument::model::Place;
 use crate::instrument::view::{LightUse, NamedModel, ViewSettings};
-use crate::plot::{Chart, ChartTheme};
+use crate::plot::{CartesianChart, Chart, ChartTheme, PolarChart};
 use crate::preview::app::panel_sizes::remember;
 use crate::preview::app::{Action, InstrumentAction};
 use crate::preview::latest::LatestWorker;
@@ -28,8 +29,9 @@ use crate::workspace::OwnerId;
 use controls::ChartControls;
 use egui::{
     Align, Button, CentralPanel, Color32, Frame, Id, Label, Layout, Margin, Panel, Rect, RichText, ScrollArea, Sense,
-    TextureHandle, TextureOptions, Ui, vec2,
+    TextureHandle, TextureOptions, Ui, UiBuilder, vec2,
 };
+use legend::CurveLegend;
 use overlays::Overlays;
 use sheet::{DrawnChart, SheetRequest};
 use std::sync::Arc;
@@ -77,6 +79,7 @@ pub(super) struct InstrumentPanel {
     /// Whether it is open.
     pub(super) open: bool,
     controls: ChartControls,
+    legend: CurveLegend,
     body: Option<BodyId>,
     light: Option<LightId>,
     /// A point of the picture, if one was chosen.
@@ -112,6 +115,7 @@ impl InstrumentPanel {
         Self {
             open,
             controls: ChartControls::default(),
+            legend: CurveLegend::default(),
             body: None,
             light: None,
             place: None,
@@ -370,9 +374,15 @@ impl InstrumentPanel {
         match (&sheet.chart, &self.texture) {
             (Chart::Cartesian(chart), _) => {
                 let mark = mark.filter(|_| self.controls.view().lights == LightUse::Several);
-                plots::cartesian_ui(ui, chart, theme, mark);
+                let room = self.legend.ui(ui, &chart.curves, theme);
+                let chart = CartesianChart { curves: self.legend.shown(&chart.curves), ..chart.clone() };
+                ui.scope_builder(UiBuilder::new().max_rect(room), |ui| plots::cartesian_ui(ui, &chart, theme, mark));
             }
-            (Chart::Polar(chart), _) => plots::polar_ui(ui, chart, theme, mark),
+            (Chart::Polar(chart), _) => {
+                let room = self.legend.ui(ui, &chart.curves, theme);
+                let chart = PolarChart { curves: self.legend.shown(&chart.curves), ..chart.clone() };
+                ui.scope_builder(UiBuilder::new().max_rect(room), |ui| plots::polar_ui(ui, &chart, theme, mark));
+            }
             (Chart::Map(_) | Chart::Lobe(_), Some(texture)) => {
                 let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
                 let points = texture.size_vec2() / ui.ctx().pixels_per_point();

@@ -3,9 +3,7 @@
 
 use crate::plot::{CartesianChart, ChartAxis, ChartTheme, Curve, Dashes, PolarChart};
 use egui::{Align2, Color32, Rangef, RichText, Ui};
-use egui_plot::{
-    AxisHints, Corner, GridMark, HLine, HoverPosition, Legend, Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotUi, Text, VLine,
-};
+use egui_plot::{AxisHints, GridMark, HLine, HoverPosition, Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotUi, Text, VLine};
 
 /// How many decades a logarithmic axis shows below the greatest number.
 const MOST_DECADES: f64 = 6.0;
@@ -51,7 +49,7 @@ impl PlotScale {
 }
 
 /// A number for people: four digits, with a power of ten if it is very small or large.
-fn number_text(number: f64) -> String {
+pub(super) fn number_text(number: f64) -> String {
     let size = number.abs();
     if number == 0.0 {
         "0".to_owned()
@@ -70,7 +68,7 @@ pub(super) fn plain(text: &str) -> String {
     letters.collect()
 }
 
-fn colour_of([red, green, blue]: [u8; 3]) -> Color32 {
+pub(super) fn colour_of([red, green, blue]: [u8; 3]) -> Color32 {
     Color32::from_rgb(red, green, blue)
 }
 
@@ -96,13 +94,8 @@ fn add_curves(plot: &mut PlotUi<'_>, curves: &[Curve], theme: ChartTheme, place:
     }
 }
 
-fn plot<'p>(name: &str, curves: &[Curve], corner: Corner) -> Plot<'p> {
-    let plot = Plot::new(name).allow_scroll(false).set_margin_fraction(egui::vec2(0.045, 0.04));
-    if curves.len() < 2 {
-        return plot;
-    }
-    let legend = Legend::default().position(corner).background_alpha(0.75).follow_insertion_order(true);
-    plot.legend(legend.text_style(egui::TextStyle::Small))
+fn plot<'p>(name: &str) -> Plot<'p> {
+    Plot::new(name).allow_scroll(false).set_margin_fraction(egui::vec2(0.045, 0.04))
 }
 
 /// Draws curves over two axes. `marks` are numbers of the axis to the right that are marked, each with a name.
@@ -120,8 +113,7 @@ pub(super) fn cartesian_ui(ui: &mut Ui, chart: &CartesianChart, theme: ChartThem
             if is_whole { number_text(scale.number(mark.value)).replace('-', "−") } else { String::new() }
         },
     );
-    // Lobes are at the other side.
-    let mut plot = plot("cartesian", &chart.curves, Corner::LeftTop)
+    let mut plot = plot("cartesian")
         .custom_x_axes(vec![x_axis])
         .custom_y_axes(vec![y_axis])
         .grid_color(colour_of(theme.grid()))
@@ -133,7 +125,8 @@ pub(super) fn cartesian_ui(ui: &mut Ui, chart: &CartesianChart, theme: ChartThem
             Some(format!("{name}{x_name} {:.1}°\n{y_name} {}", position.x, number_text(scale.number(position.y))))
         });
     if chart.x.is_angle {
-        plot = plot.x_grid_spacer(|input| angle_marks(input.bounds, input.base_step_size));
+        let range = chart.x.range;
+        plot = plot.x_grid_spacer(move |input| angle_marks(input.bounds, input.base_step_size, range));
     }
     if let Some([low, high]) = chart.x.range {
         plot = plot.include_x(low).include_x(high);
@@ -166,12 +159,15 @@ pub(super) fn cartesian_ui(ui: &mut Ui, chart: &CartesianChart, theme: ChartThem
 }
 
 /// Marks of an axis of angles: each 15 degrees, or finer if it is zoomed. `step` is the least distance that is legible.
-fn angle_marks((low, high): (f64, f64), step: f64) -> Vec<GridMark> {
+/// Beyond the range of the axis there are none.
+fn angle_marks((low, high): (f64, f64), step: f64, range: Option<[f64; 2]>) -> Vec<GridMark> {
     const STEPS: [f64; 8] = [0.1, 0.5, 1.0, 5.0, 15.0, 30.0, 90.0, 180.0];
     let size = STEPS.into_iter().find(|size| *size >= 3.5 * step).unwrap_or(360.0);
     let (first, last) = ((low / size).floor() as i64, (high / size).ceil() as i64);
     let count = (last - first).clamp(0, 2000);
-    (first..=first + count).map(|index| GridMark { value: size * index as f64, step_size: size }).collect()
+    let is_within = |value: &f64| range.is_none_or(|[least, most]| (least - 1e-9..=most + 1e-9).contains(value));
+    let values = (first..=first + count).map(|index| size * index as f64).filter(is_within);
+    values.map(|value| GridMark { value, step_size: size }).collect()
 }
 
 /// Marks of a logarithmic axis: each decade.
@@ -208,7 +204,7 @@ pub(super) fn polar_ui(ui: &mut Ui, chart: &PolarChart, theme: ChartTheme, mark:
     let greatest = places.filter(|place| place.is_finite()).fold(0.0, f64::max);
     let rings = rings(scale, if greatest > 0.0 { greatest } else { 1.0 });
     let rim = rings.last().copied().unwrap_or(1.0);
-    let plot = plot("polar", &chart.curves, Corner::RightTop)
+    let plot = plot("polar")
         .data_aspect(1.0)
         .show_axes(false)
         .show_grid(false)
@@ -301,6 +297,16 @@ mod tests {
     fn numbers_are_short() {
         let texts = [0.0, 1.0, 0.312_34, 12.5, 1234.56, 1e-7, 2e9].map(number_text);
         assert_eq!(texts, ["0", "1", "0.3123", "12.5", "1235", "1.00e-7", "2.00e9"]);
+    }
+
+    #[test]
+    fn an_axis_has_no_marks_beyond_its_range() {
+        let values =
+            |bounds, step, range| -> Vec<f64> { angle_marks(bounds, step, range).iter().map(|mark| mark.value).collect() };
+        // The plot has a margin of 4 degrees.
+        assert_eq!(values((-4.0, 94.0), 4.0, Some([0.0, 90.0])), [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0]);
+        assert_eq!(values((-98.0, 98.0), 8.0, Some([-90.0, 90.0])).len(), 7);
+        assert_eq!(values((-4.0, 94.0), 4.0, None)[0], -15.0);
     }
 
     #[test]
