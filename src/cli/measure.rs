@@ -35,7 +35,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     }
     let report = on_threads(&options.model.machine, || {
         let measured = ModelMeasurement::of(opened.named.model.as_ref());
-        let ranges = |valued: &ValuedFormula| expression_ranges(&valued.formula, &valued.numbers(&valued.values));
+        let ranges = |valued: &ValuedFormula| expression_ranges(&valued.formula, &valued.numbers(&valued.values), &valued.place);
         let (expressions, pairs) = valued.map(ranges).unwrap_or_default();
         let findings = valued.filter(|_| options.all).map(over_ranges);
         MeasurementReport::new(&opened.described, &measured, (&expressions, pairs), findings)

@@ -9,7 +9,7 @@ use illuminator::engine::Task;
 use illuminator::files::{Readable, open_regular};
 use illuminator::formula::{Formula, ParameterId};
 use illuminator::instrument::Reflectance;
-use illuminator::instrument::model::{FormulaModel, ModelProgram, ParameterNumbers, Place};
+use illuminator::instrument::model::{FormulaModel, ModelProgram, ParameterNumbers, Place, reads_coordinates};
 use illuminator::instrument::view::NamedModel;
 use illuminator::lang::diagnostic::{Diagnostic, nearest};
 use illuminator::lang::display_text::one_line;
@@ -24,8 +24,9 @@ use illuminator::workspace::presets::{self, DEFAULT_SESSION};
 use illuminator::workspace::project::{Project, Request, SessionText};
 use illuminator::workspace::{FileKind, Location, NamedAssignment, OwnerId, Owners, Values};
 use std::ffi::{OsStr, OsString};
-use std::fs::OpenOptions;
 use std::io::Read;
+use std::fs::OpenOptions;
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -57,8 +58,35 @@ pub(super) struct ModelOptions {
     /// The light whose values count; its colour is white in any case [default: the first one]
     #[arg(long, value_name = "NAME")]
     light: Option<String>,
+    /// Where on the surface: the coordinates u and v, which patterns and textures read [default: 0,0]
+    #[arg(long, value_name = "U,V", value_parser = coordinates, allow_hyphen_values = true)]
+    at: Option<SurfaceSpot>,
     #[command(flatten)]
     pub(super) machine: MachineOptions,
+}
+
+/// Coordinates of a surface. It is a type of its own because the parser of arguments takes arrays for lists.
+#[derive(Debug, Clone, Copy)]
+struct SurfaceSpot([f64; 2]);
+
+impl SurfaceSpot {
+    /// The place with these coordinates.
+    fn place(self) -> Place {
+        Place::default().at_coordinates(self.0)
+    }
+}
+
+impl fmt::Display for SurfaceSpot {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [u, v] = self.0;
+        write!(out, "u = {u}, v = {v}")
+    }
+}
+
+fn coordinates(text: &str) -> Result<SurfaceSpot, String> {
+    let number = |text: &str| text.trim().parse::<f32>().ok().filter(|number| number.is_finite()).map(f64::from);
+    let pair = text.split_once(',').and_then(|(u, v)| Some([number(u)?, number(v)?]));
+    pair.map(SurfaceSpot).ok_or_else(|| "expected two numbers such as 0.25,0.5".to_owned())
 }
 
 /// A formula with the values of a body and of a light.
@@ -68,6 +96,8 @@ pub(super) struct ValuedFormula {
     pub(super) values: Values,
     /// The body and the light whose values count, if there are any.
     pub(super) owners: [Option<OwnerId>; 2],
+    /// Where on the surface.
+    pub(super) place: Place,
     program: Arc<ModelProgram>,
 }
 
@@ -79,7 +109,7 @@ impl ValuedFormula {
 
     /// The formula with values.
     pub(super) fn model(&self, values: &Values) -> FormulaModel {
-        FormulaModel::new(Arc::clone(&self.program), self.numbers(values), Place::default())
+        FormulaModel::new(Arc::clone(&self.program), self.numbers(values), self.place.clone())
     }
 }
 
@@ -107,6 +137,15 @@ enum GivenModel {
 impl ModelOptions {
     /// Opens the model that the options name.
     pub(super) fn open(&self) -> Result<OpenedModel, Failure> {
+        let opened = self.named()?;
+        let is_unread = |valued: &ValuedFormula| !reads_coordinates(&valued.formula);
+        if self.at.is_some() && opened.valued.as_ref().is_some_and(is_unread) {
+            warn("`--at` changes nothing in a formula that reads neither `u` nor `v`");
+        }
+        Ok(opened)
+    }
+
+    fn named(&self) -> Result<OpenedModel, Failure> {
         let formula = self.formula.as_ref().map(Location::new);
         let given = match &self.model {
             Some(name) => Some((name.clone(), given_model(name, FileKind::Session)?)),
@@ -142,6 +181,7 @@ impl ModelOptions {
             ("--set", !self.settings.is_empty()),
             ("--body", self.body.is_some()),
             ("--light", self.light.is_some()),
+            ("--at", self.at.is_some()),
         ];
         for (option, _) in given.into_iter().filter(|(_, is_given)| *is_given) {
             warn(format!("`{option}` changes nothing in a measured material"));
@@ -154,7 +194,7 @@ impl ModelOptions {
         let (owners, label) = self.owners(&project)?;
         let short = short_name(&Location::new(name));
         let described = format!("{} with {label} of {}", project.formula_location, name.display());
-        let mut opened = opened(project, owners, format!("{short}, {label}"), described);
+        let mut opened = self.opened(project, owners, format!("{short}, {label}"), described);
         opened.files.extend(Location::new(name).file().map(Path::to_owned));
         Ok(opened)
     }
@@ -185,7 +225,24 @@ impl ModelOptions {
             [] => location.to_string(),
             changes => format!("{location} with {}", changes.join(", ")),
         };
-        Ok(opened(project, owners, short_name(&location), described))
+        Ok(self.opened(project, owners, short_name(&location), described))
+    }
+
+    /// The model of a project.
+    fn opened(&self, project: Project, owners: [Option<OwnerId>; 2], name: String, described: String) -> OpenedModel {
+        let formula = project.subject.formula;
+        let program = Arc::new(ModelProgram::new(&formula));
+        let spot = self.at.filter(|_| reads_coordinates(&formula));
+        let described = spot.map_or(described.clone(), |spot| format!("{described}, at {spot}"));
+        let place = spot.map_or_else(Place::default, SurfaceSpot::place);
+        let valued = ValuedFormula { formula, values: project.values, owners, place, program };
+        let model: Arc<dyn Reflectance> = Arc::new(valued.model(&valued.values));
+        OpenedModel {
+            named: NamedModel { name, model },
+            described: one_line(&described),
+            valued: Some(valued),
+            files: project.files,
+        }
     }
 
     /// Checks that the formula has the parameters that are set without an owner.
@@ -244,6 +301,7 @@ impl ModelOptions {
             settings: Vec::new(),
             body: None,
             light: None,
+            at: self.at,
             machine,
         };
         match given_model(name, FileKind::Formula)? {
@@ -341,14 +399,6 @@ fn short_name(location: &Location) -> String {
         Location::Preset(name) => one_line(name),
         Location::File(path) => one_line(&path.file_stem().unwrap_or_default().to_string_lossy()),
     }
-}
-
-fn opened(project: Project, owners: [Option<OwnerId>; 2], name: String, described: String) -> OpenedModel {
-    let formula = project.subject.formula;
-    let program = Arc::new(ModelProgram::new(&formula));
-    let valued = ValuedFormula { formula, values: project.values, owners, program };
-    let model: Arc<dyn Reflectance> = Arc::new(valued.model(&valued.values));
-    OpenedModel { named: NamedModel { name, model }, described: one_line(&described), valued: Some(valued), files: project.files }
 }
 
 /// The body or the light of this name, or the first one.

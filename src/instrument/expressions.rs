@@ -19,14 +19,14 @@ pub struct ExpressionRange {
 }
 
 /// The ranges of the macros and of the result, in the order of the formula, and for how many pairs of directions they
-/// were computed. `numbers` are the values of parameters.
-pub fn expression_ranges(formula: &Formula, numbers: &[[f32; 3]]) -> (Vec<ExpressionRange>, usize) {
+/// were computed. `numbers` are the values of parameters, and `place` is where on a surface.
+pub fn expression_ranges(formula: &Formula, numbers: &[[f32; 3]], place: &Place) -> (Vec<ExpressionRange>, usize) {
     let named = formula.macros.iter().map(|(name, term)| (name.clone(), *term));
     let named: Vec<(String, TermId)> = named.chain([("=".to_owned(), formula.result)]).collect();
     let terms: Vec<TermId> = named.iter().map(|(_, term)| *term).collect();
     let program = ModelProgram::of_terms(formula, &terms);
     let pairs = spread_pairs();
-    let outputs = program.run(&program.prepare(&pairs, &Place::default()), numbers);
+    let outputs = program.run(&program.prepare(&pairs, place), numbers);
     let mut ranges = Vec::with_capacity(named.len());
     let mut first = 0;
     for (name, term) in named {

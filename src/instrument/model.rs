@@ -7,7 +7,7 @@
 use crate::evaluate::at_point::variable_at_point;
 use crate::formula::derivative::derivatives;
 use crate::formula::graph::{Graph, Node, NodeId};
-use crate::formula::{Formula, ParameterId, TermId};
+use crate::formula::{Formula, ParameterId, Term, TermId};
 use crate::instrument::{DirectionPair, Reflectance};
 use crate::jit::{Kernel, Line, Splat, Width, compile_stage};
 use crate::lang::scalars::flush;
@@ -43,6 +43,21 @@ impl Default for Place {
     fn default() -> Self {
         Self { frame: DMat3::IDENTITY, given: Vec::new() }
     }
+}
+
+impl Place {
+    /// The place at other coordinates of its surface, `u` and `v`.
+    #[must_use]
+    pub fn at_coordinates(mut self, [u, v]: [f64; 2]) -> Self {
+        self.given.retain(|(variable, _)| !variable.is_coordinate());
+        self.given.extend([(Variable::SurfaceU, DVec3::splat(u)), (Variable::SurfaceV, DVec3::splat(v))]);
+        self
+    }
+}
+
+/// Whether a formula reads coordinates of the surface, as patterns and textures do.
+pub fn reads_coordinates(formula: &Formula) -> bool {
+    formula.terms.iter().any(|term| matches!(term, Term::Variable(variable) if variable.is_coordinate()))
 }
 
 /// Expressions of a formula, compiled for pairs of directions.

@@ -208,3 +208,37 @@ fn well_formed(text: &str) -> Result<(), String> {
     }
     if open.is_empty() { Ok(()) } else { Err(format!("{open:?} stay open")) }
 }
+
+#[test]
+fn a_pattern_has_the_numbers_of_the_place_that_is_given() {
+    let folder = folder();
+    // Fields of 0.2 and 0.8, each a half of the surface long.
+    let checker = "formula; FIELD = floor(2*u) + floor(2*v); ODD = FIELD - 2*floor(FIELD/2);
+        = IL*(0.2 + 0.6*ODD)*max(0, N.L);";
+    write(&folder, "checker.formula", checker);
+    write(&folder, "matte.formula", "formula; = IL*0.5*max(0, N.L);");
+    let folder = folder.path();
+    for (at, albedo) in [("", 0.2), ("--at 0.75,0.25", 0.8), ("--at 0.75,0.75", 0.2), ("--at -0.25,0.1", 0.8)] {
+        drawn(folder, &format!("checker.formula {at} --view cartesian --theta 30 -o place.csv"));
+        let (_, rows) = table(folder, "place.csv");
+        assert!(rows.iter().all(|row| (row[1] - albedo / PI).abs() < 1e-6), "{at}: {:?}", rows[0]);
+        let output = run(folder, &format!("measure --json checker.formula {at}"));
+        let measured: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let share = measured["greatest_albedo"]["share"].as_f64().expect("a share");
+        assert!((share - albedo).abs() < 2e-4, "{at}: {share}");
+        // The ranges of expressions are those of the same place: of the result, from 0 to the albedo.
+        let expressions = measured["expressions"].as_array().expect("expressions");
+        let odd = expressions.iter().find(|range| range["name"] == "ODD").expect("a macro");
+        assert_eq!(odd["greatest"].as_f64(), Some(f64::from(u8::from(albedo > 0.5))), "{at}");
+    }
+    // A model beside it is looked at at the same place.
+    drawn(folder, "checker.formula --at 0.75,0.25 --with checker.formula --view cartesian --theta 30 -o both.csv");
+    let (_, rows) = table(folder, "both.csv");
+    assert!(rows.iter().all(|row| (row[1] - row[2]).abs() < 1e-9 && row[1] > 0.2), "{:?}", rows[0]);
+    let said = told(folder, "plot matte.formula --at 0.5,0.5 --view polar -o matte.csv");
+    assert!(said.contains("`--at` changes nothing in a formula that reads neither `u` nor `v`"), "{said}");
+    for wrong in ["0.5", "0.5,", "a,b", "nan,0"] {
+        let said = told(folder, &format!("plot checker.formula --at {wrong} --view polar -o wrong.csv"));
+        assert!(said.contains("expected two numbers such as 0.25,0.5") && said.contains("exit status 2"), "{said}");
+    }
+}
