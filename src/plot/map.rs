@@ -44,13 +44,46 @@ pub struct MapChart {
     pub panels: Vec<MapPanel>,
 }
 
+/// One pixel of a picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum MapPixel {
+    /// A number.
+    Number(f64),
+    /// A linear colour.
+    Colour([f32; 3]),
+}
+
+/// What a drawing shows at a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MapReading {
+    /// The index of the picture.
+    pub panel: usize,
+    /// The numbers of both axes at the middle of the pixel.
+    pub place: [f64; 2],
+    /// The pixel.
+    pub pixel: MapPixel,
+}
+
+/// Where everything is on a sheet.
+struct MapArrangement {
+    /// The place of each picture.
+    places: Vec<ChartArea>,
+    /// The bar, if there are numbers.
+    bar: Option<FittedAxis>,
+    /// The width of the widest label of the bar.
+    widest: f64,
+    /// The right edge of what pictures and bar may take.
+    right: f64,
+}
+
 impl MapPanel {
     /// The places of the pixels along an axis: the middles of the pixels, in the order of the rows or columns.
     fn place(index: u32, side: u32, [low, high]: [f64; 2]) -> f64 {
         low + (f64::from(index) + 0.5) / f64::from(side.max(1)) * (high - low)
     }
 
-    fn bitmap(&self, bar: &FittedAxis) -> Bitmap {
+    fn bitmap(&self, bar: Option<&FittedAxis>) -> Bitmap {
+        let place = |number: f64| bar.map_or(number, |bar| bar.place(number));
         let bytes = match &self.values {
             MapValues::Colours(colours) => {
                 let mut bytes = quantise(colours, Transfer::Srgb);
@@ -59,7 +92,7 @@ impl MapPanel {
                 odd.for_each(|(pixel, _)| *pixel = false_colour(f64::NAN));
                 bytes
             }
-            MapValues::Numbers(numbers) => numbers.iter().flat_map(|number| false_colour(bar.place(*number))).collect(),
+            MapValues::Numbers(numbers) => numbers.iter().flat_map(|number| false_colour(place(*number))).collect(),
         };
         Bitmap::of_bytes(self.size, bytes)
     }
@@ -69,6 +102,53 @@ impl MapChart {
     /// The drawing.
     pub fn figure(&self, size: [u32; 2], theme: ChartTheme) -> Figure {
         let mut sheet = ChartSheet::new(size, theme, &self.heading);
+        let label = sheet.label_size();
+        let MapArrangement { places, bar, widest, right: most } = self.arranged(&sheet);
+        for (panel, place) in self.panels.iter().zip(&places) {
+            let bitmap = panel.bitmap(bar.as_ref());
+            // Few pixels stay squares; many blend.
+            let smooth = place.width < 3.0 * f64::from(panel.size[0]);
+            let (at, size) = ([place.left, place.top], [place.width, place.height]);
+            sheet.figure.marks.push(FigureMark::Image { at, size, bitmap, smooth });
+            if let Some([x, y]) = &self.axes {
+                draw_axes(&mut sheet, place, x, y);
+            }
+            caption(&mut sheet, place, &panel.name);
+        }
+        if let Some(bar) = bar {
+            let (top, bottom) = places
+                .iter()
+                .fold((f64::INFINITY, 0.0_f64), |(top, bottom), place| (top.min(place.top), bottom.max(place.bottom())));
+            let right = places.iter().map(ChartArea::right).fold(0.0, f64::max);
+            let left = (right + 1.6 * label).min(most);
+            let place = ChartArea { left, top, width: 1.2 * label, height: bottom - top };
+            self.draw_bar(&mut sheet, &place, &bar, widest);
+        }
+        sheet.figure
+    }
+
+    /// What the drawing of this size shows at a point; none beside the pictures.
+    pub fn reading(&self, size: [u32; 2], [x, y]: [f64; 2]) -> Option<MapReading> {
+        // Places do not depend on colours.
+        let places = self.arranged(&ChartSheet::new(size, ChartTheme::Light, &self.heading)).places;
+        let is_within = |place: &ChartArea| (place.left..place.right()).contains(&x) && (place.top..place.bottom()).contains(&y);
+        let panel = places.iter().position(is_within)?;
+        let (area, shown) = (places[panel], self.panels.get(panel)?);
+        let [columns, rows] = shown.size;
+        let index = |share: f64, side: u32| ((share * f64::from(side)) as u32).min(side.saturating_sub(1));
+        let (column, row) = (index((x - area.left) / area.width, columns), index((y - area.top) / area.height, rows));
+        let range = |axis: usize| self.axes.as_ref().and_then(|axes| axes[axis].range).unwrap_or([-1.0, 1.0]);
+        let place = [MapPanel::place(column, columns, range(0)), MapPanel::place(rows.saturating_sub(1) - row, rows, range(1))];
+        let at = row as usize * columns as usize + column as usize;
+        let pixel = match &shown.values {
+            MapValues::Numbers(numbers) => MapPixel::Number(*numbers.get(at)?),
+            MapValues::Colours(colours) => MapPixel::Colour(*colours.get(at)?),
+        };
+        Some(MapReading { panel, place, pixel })
+    }
+
+    /// Where pictures and bar are.
+    fn arranged(&self, sheet: &ChartSheet) -> MapArrangement {
         let label = sheet.label_size();
         let numbers = self.panels.iter().flat_map(|panel| match &panel.values {
             MapValues::Numbers(numbers) => numbers.as_slice(),
@@ -85,27 +165,7 @@ impl MapChart {
         let area = sheet.area.without([0.0, 0.0, bar_width, 0.0]);
         let aspect = self.panels.first().map_or(1.0, |panel| f64::from(panel.size[0]) / f64::from(panel.size[1].max(1)));
         let places = arranged(&area, self.panels.len(), aspect, [left, top, 1.1 * label, bottom]);
-        for (panel, place) in self.panels.iter().zip(&places) {
-            let bitmap = panel.bitmap(&bar);
-            // Few pixels stay squares; many blend.
-            let smooth = place.width < 3.0 * f64::from(panel.size[0]);
-            let (at, size) = ([place.left, place.top], [place.width, place.height]);
-            sheet.figure.marks.push(FigureMark::Image { at, size, bitmap, smooth });
-            if let Some([x, y]) = &self.axes {
-                draw_axes(&mut sheet, place, x, y);
-            }
-            caption(&mut sheet, place, &panel.name);
-        }
-        if has_bar {
-            let (top, bottom) = places
-                .iter()
-                .fold((f64::INFINITY, 0.0_f64), |(top, bottom), place| (top.min(place.top), bottom.max(place.bottom())));
-            let right = places.iter().map(ChartArea::right).fold(0.0, f64::max);
-            let left = (right + 1.6 * label).min(area.right());
-            let place = ChartArea { left, top, width: 1.2 * label, height: bottom - top };
-            self.draw_bar(&mut sheet, &place, &bar, widest);
-        }
-        sheet.figure
+        MapArrangement { places, bar: has_bar.then_some(bar), widest, right: area.right() }
     }
 
     /// The bar that says which colour is which number.
@@ -195,4 +255,41 @@ fn draw_axes(sheet: &mut ChartSheet, place: &ChartArea, x: &ChartAxis, y: &Chart
     let at = [place.left - 3.6 * label, place.top + 0.5 * place.height];
     let text = y.full_title();
     sheet.figure.marks.push(FigureMark::Text { at, anchor: Anchor::Middle, upwards: true, size, colour, text });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_of_the_drawing_has_the_number_of_its_pixel() {
+        // Two pictures of 2 × 2 pixels, row by row from the top.
+        let panel =
+            |numbers: [f64; 4]| MapPanel { name: "one".to_owned(), size: [2, 2], values: MapValues::Numbers(numbers.to_vec()) };
+        let chart = MapChart {
+            axes: Some([ChartAxis::angles("x", [0.0, 90.0]), ChartAxis::angles("y", [0.0, 90.0])]),
+            bar: ChartAxis::numbers("f", "", false),
+            panels: vec![panel([1.0, 2.0, 3.0, 4.0]), panel([5.0, 6.0, 7.0, 8.0])],
+            ..MapChart::default()
+        };
+        let size = [800, 400];
+        // The drawing itself says where its pictures are.
+        let figure = chart.figure(size, ChartTheme::Light);
+        let images = figure.marks.iter().filter_map(|mark| {
+            let FigureMark::Image { at, size, bitmap, .. } = mark else { return None };
+            (bitmap.size() == [2, 2]).then_some((*at, *size))
+        });
+        let images: Vec<_> = images.collect();
+        assert_eq!(images.len(), 2);
+        for (panel, (at, side)) in images.into_iter().enumerate() {
+            let reading = |across: f64, down: f64| chart.reading(size, [at[0] + across * side[0], at[1] + down * side[1]]);
+            let first = 4.0 * panel as f64;
+            let found = |place, number| Some(MapReading { panel, place, pixel: MapPixel::Number(first + number) });
+            assert_eq!(reading(0.25, 0.25), found([22.5, 67.5], 1.0));
+            assert_eq!(reading(0.9, 0.1), found([67.5, 67.5], 2.0));
+            assert_eq!(reading(0.1, 0.9), found([22.5, 22.5], 3.0));
+            assert_eq!(reading(0.99, 0.99), found([67.5, 22.5], 4.0));
+            assert_eq!(reading(-0.01, 0.5), None);
+        }
+    }
 }

@@ -33,7 +33,7 @@ pub use curve::{ChartHeading, Curve, Dashes};
 pub use figure::{Anchor, Figure, FigureMark, Ink, Stroke, plain, subscript};
 pub use format::ChartFormat;
 pub use lobe::{Lobe, LobeChart};
-pub use map::{MapChart, MapPanel, MapValues};
+pub use map::{MapChart, MapPanel, MapPixel, MapReading, MapValues};
 pub use number_table::NumberTable;
 pub use polar::PolarChart;
 pub use raster::painted;

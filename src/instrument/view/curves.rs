@@ -1,7 +1,6 @@
 //! Views as curves: over the outgoing angle, and over the incoming angle.
 
 use crate::instrument::albedo::{EQUAL, albedos};
-use crate::instrument::direction::{direction, pair};
 use crate::instrument::draft;
 use crate::instrument::hemisphere::Integration;
 use crate::instrument::view::settings::{Component, ComponentPart, NamedModel, ViewSettings};
@@ -33,9 +32,7 @@ fn outgoing(polar: f64) -> Vec<f64> {
 /// The points of a curve over the outgoing angle: positive at the side of the mirror direction.
 fn over_outgoing(model: &NamedModel, polar: f64, settings: &ViewSettings) -> (Vec<f64>, Vec<[f64; 3]>) {
     let angles = outgoing(polar);
-    let light = direction(polar, settings.light_azimuth);
-    let opposite = settings.light_azimuth + 180.0 + settings.plane;
-    let pairs: Vec<_> = angles.iter().map(|angle| pair(light, direction(*angle, opposite))).collect();
+    let pairs: Vec<_> = angles.iter().map(|angle| settings.pair(polar, *angle)).collect();
     let colours = settings.shown.of(model.model.as_ref(), &pairs);
     (angles, colours)
 }

@@ -59,8 +59,7 @@ pub(super) fn slice(models: &[NamedModel], settings: &ViewSettings) -> Chart {
 
 /// How different the BRDF is if light and viewer change places.
 pub(super) fn reciprocity(models: &[NamedModel], settings: &ViewSettings) -> Chart {
-    let opposite = settings.light_azimuth + 180.0 + settings.plane;
-    let pairs = pixels(|light, view| pair(direction(light, settings.light_azimuth), direction(view, opposite)));
+    let pairs = pixels(|light, view| settings.pair(light, view));
     let panels = models.iter().enumerate().map(|(number, model)| MapPanel {
         name: ViewSettings::name_among(models, number),
         size: [SIDE; 2],

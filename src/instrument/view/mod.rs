@@ -6,10 +6,12 @@ mod ball;
 mod curves;
 mod lobes;
 mod maps;
+mod reading;
 mod settings;
 
 use crate::plot::Chart;
 pub use lobes::MOST_LOBES;
+pub use reading::{DirectionReading, readings};
 pub use settings::{Component, NamedModel, Shown, ViewSettings};
 
 /// What can be chosen for some views.

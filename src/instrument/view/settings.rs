@@ -1,6 +1,6 @@
 //! What views are told: models with names, and what is shown of them.
 
-use crate::instrument::direction::{brdf, luminance};
+use crate::instrument::direction::{brdf, direction, luminance, pair};
 use crate::instrument::{DirectionPair, Reflectance};
 use crate::plot::ChartHeading;
 use std::f64::consts::PI;
@@ -154,6 +154,12 @@ impl ViewSettings {
     /// The polar angles of the light, or these.
     pub(super) fn polar_or(&self, usual: &[f64]) -> Vec<f64> {
         if self.light_polar.is_empty() { usual.to_vec() } else { self.light_polar.clone() }
+    }
+
+    /// Light from a polar angle, and a viewer at an angle in the plane of outgoing directions, in degrees.
+    pub(super) fn pair(&self, light: f64, viewer: f64) -> DirectionPair {
+        let opposite = self.light_azimuth + 180.0 + self.plane;
+        pair(direction(light, self.light_azimuth), direction(viewer, opposite))
     }
 
     /// The heading of a chart.
