@@ -78,10 +78,34 @@ pub struct WindowSettings {
     pub log: bool,
     /// Whether the instruments are shown.
     pub instruments: bool,
+    /// Where they are.
+    pub instruments_at: InstrumentDock,
     /// Width and height of the window in pixels when it was last closed, each within [`WINDOW_SIDES`].
     pub size: [u32; 2],
     /// The sizes of its panels.
     pub panels: PanelSizes,
+}
+
+/// Where the instruments are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum InstrumentDock {
+    /// Below the picture.
+    Below,
+    /// At the right of the picture.
+    Right,
+}
+
+impl InstrumentDock {
+    /// Every place.
+    pub const ALL: [InstrumentDock; 2] = [InstrumentDock::Below, InstrumentDock::Right];
+
+    /// The name in the file.
+    pub fn name(self) -> &'static str {
+        match self {
+            InstrumentDock::Below => "below",
+            InstrumentDock::Right => "right",
+        }
+    }
 }
 
 /// Whether a window is light or dark.
@@ -164,6 +188,7 @@ impl Default for WindowSettings {
             gallery: true,
             log: false,
             instruments: false,
+            instruments_at: InstrumentDock::Below,
             size: [1280, 800],
             panels: PanelSizes::default(),
         }

@@ -14,7 +14,7 @@ pub(super) fn remember(context: &Context, panel: Id, side: PanelSide, sizes: &mu
         sizes.set(
             side,
             match side {
-                PanelSide::Texts | PanelSide::Parameters => width,
+                PanelSide::Texts | PanelSide::Parameters | PanelSide::InstrumentsAtRight => width,
                 PanelSide::Owners | PanelSide::Inspector | PanelSide::Instruments | PanelSide::Fitting => height,
             },
         );

@@ -163,6 +163,11 @@ fn merge_settings(ours: &Settings, last_seen: &Settings, theirs: &Settings) -> S
             gallery: merge_value(&ours.window.gallery, &last_seen.window.gallery, &theirs.window.gallery),
             log: merge_value(&ours.window.log, &last_seen.window.log, &theirs.window.log),
             instruments: merge_value(&ours.window.instruments, &last_seen.window.instruments, &theirs.window.instruments),
+            instruments_at: merge_value(
+                &ours.window.instruments_at,
+                &last_seen.window.instruments_at,
+                &theirs.window.instruments_at,
+            ),
             size: merge_value(&ours.window.size, &last_seen.window.size, &theirs.window.size),
             panels: ours.window.panels.merged(&last_seen.window.panels, &theirs.window.panels),
         },

@@ -13,20 +13,23 @@ pub enum PanelSide {
     Owners,
     /// The height of the pixel inspector.
     Inspector,
-    /// The height of the instruments.
+    /// The height of the instruments below the picture.
     Instruments,
+    /// The width of the instruments at the right of the picture.
+    InstrumentsAtRight,
     /// The height of the panel for fits.
     Fitting,
 }
 
 impl PanelSide {
     /// Every side.
-    pub const ALL: [PanelSide; 6] = [
+    pub const ALL: [PanelSide; 7] = [
         PanelSide::Texts,
         PanelSide::Parameters,
         PanelSide::Owners,
         PanelSide::Inspector,
         PanelSide::Instruments,
+        PanelSide::InstrumentsAtRight,
         PanelSide::Fitting,
     ];
 
@@ -38,6 +41,7 @@ impl PanelSide {
             PanelSide::Owners => "owners_height",
             PanelSide::Inspector => "inspector_height",
             PanelSide::Instruments => "instruments_height",
+            PanelSide::InstrumentsAtRight => "instruments_width",
             PanelSide::Fitting => "fitting_height",
         }
     }
@@ -55,6 +59,7 @@ impl PanelSide {
             PanelSide::Owners => 240.0,
             PanelSide::Inspector => 240.0,
             PanelSide::Instruments => 380.0,
+            PanelSide::InstrumentsAtRight => 420.0,
             PanelSide::Fitting => 320.0,
         }
     }

@@ -10,14 +10,14 @@ use crate::picture::Transfer;
 use crate::trace::{MAX_DEPTH, MAX_PASSES, MAX_SIDE};
 use crate::user_data::settings::nearest::{nearest_number, nearest_whole};
 use crate::user_data::settings::{
-    MEMORY, PANEL_SIZES, PREDEFINED_RANGE, PanelSide, SCALES, Settings, ThemeSetting, WINDOW_SIDES, is_index,
+    InstrumentDock, MEMORY, PANEL_SIZES, PREDEFINED_RANGE, PanelSide, SCALES, Settings, ThemeSetting, WINDOW_SIDES, is_index,
 };
 use crate::workspace::Location;
 use crate::workspace::spanned_toml::{TomlEntry, Value, check_version, entries, parse as parse_toml, parse_integer, unknown_key};
 
 const KEYS: [&str; 12] =
     ["version", "shadows", "depth", "size", "ior", "srgb", "samples", "backend", "memory", "startup", "defaults", "window"];
-const WINDOW_KEYS: [&str; 7] = ["theme", "scale", "apply_as_you_type", "gallery", "log", "instruments", "size"];
+const WINDOW_KEYS: [&str; 8] = ["theme", "scale", "apply_as_you_type", "gallery", "log", "instruments", "instruments_at", "size"];
 
 /// A parsed text.
 #[derive(Default)]
@@ -248,6 +248,11 @@ impl ParsedSettings {
                     self.settings.window.instruments = instruments;
                 }
             }
+            "instruments_at" => {
+                if let Some(dock) = self.report_error(dock(entry.value)) {
+                    self.settings.window.instruments_at = dock;
+                }
+            }
             "size" => self.settings.window.size = self.sides(entry.value, WINDOW_SIDES, self.settings.window.size),
             key => match PanelSide::named(key) {
                 Some(side) => {
@@ -282,6 +287,17 @@ fn backend(value: Value) -> Result<BackendChoice, Diagnostic> {
         let hint = nearest(text, names.clone()).map(|near| format!("did you mean \"{near}\"?"));
         let expected = names.map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(" or ");
         Diagnostic::error(format!("there is no backend \"{text}\"")).at(value.span, format!("expected {expected}")).help_if(hint)
+    })
+}
+
+fn dock(value: Value) -> Result<InstrumentDock, Diagnostic> {
+    let text = value.text()?;
+    let names = InstrumentDock::ALL.map(InstrumentDock::name);
+    InstrumentDock::ALL.into_iter().find(|dock| dock.name() == text).ok_or_else(|| {
+        let hint = nearest(text, names).map(|near| format!("did you mean \"{near}\"?"));
+        Diagnostic::error(format!("the instruments cannot be at \"{text}\""))
+            .at(value.span, "expected \"below\" or \"right\"")
+            .help_if(hint)
     })
 }
 

@@ -37,6 +37,7 @@ struct WindowText<'s> {
     gallery: bool,
     log: bool,
     instruments: bool,
+    instruments_at: &'static str,
     size: [u32; 2],
     #[serde(flatten)]
     panels: PanelSizes,
@@ -96,6 +97,7 @@ pub(super) fn to_toml(settings: &Settings, unknown: &UnknownKeys) -> Result<Stri
             gallery: window.gallery,
             log: window.log,
             instruments: window.instruments,
+            instruments_at: window.instruments_at.name(),
             size: window.size,
             panels: window.panels,
             unknown: &unknown.window,

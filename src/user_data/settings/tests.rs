@@ -32,6 +32,7 @@ apply_as_you_type = true
 gallery = false
 log = true
 instruments = true
+instruments_at = "right"
 size = [1920, 1080]
 owners_height = 300
 "#;
@@ -74,7 +75,17 @@ fn settings_are_read() {
     panels.set(PanelSide::Owners, 300.0);
     let (theme, size) = (ThemeSetting::Light, [1920, 1080]);
     let (apply_as_you_type, gallery, log, instruments) = (true, false, true, true);
-    let window = WindowSettings { theme, scale: 1.5, apply_as_you_type, gallery, log, instruments, size, panels };
+    let window = WindowSettings {
+        theme,
+        scale: 1.5,
+        apply_as_you_type,
+        gallery,
+        log,
+        instruments,
+        instruments_at: InstrumentDock::Right,
+        size,
+        panels,
+    };
     assert_eq!(settings.window, window);
 }
 
@@ -122,7 +133,7 @@ fn what_is_out_of_range_is_the_nearest_that_is_within() {
 #[test]
 fn what_is_wrong_is_reported_and_the_rest_is_taken() {
     let text = "version = 1\nshadows = 0\ndepth = 2.5\nsize = 3\nior = nan\nstartup = \" \"\n[defaults]\nkr = [1, 1, 1]\n\
-                Cd = 1\nka = \"x\"\nkt = 0.5\n[window]\ntheme = \"drak\"\nlog = true\n";
+                Cd = 1\nka = \"x\"\nkt = 0.5\n[window]\ntheme = \"drak\"\ninstruments_at = \"left\"\nlog = true\n";
     let (settings, messages) = parse(text);
     assert_eq!(
         messages,
@@ -136,6 +147,7 @@ fn what_is_wrong_is_reported_and_the_rest_is_taken() {
             "`Cd` is a vector",
             "expected a number, or three as `[x, y, z]`, found a text",
             "there is no theme \"drak\"",
+            "the instruments cannot be at \"left\"",
         ]
     );
     assert_eq!(settings.defaults.of(Predefined::Refraction), [0.5]);
@@ -322,7 +334,7 @@ fn two_programs_keep_each_others_changes() {
     other.save(&second).unwrap();
     let settings = SettingsFile::new(&folders).read().settings;
     assert_eq!((settings.depth, settings.window.theme, settings.window.log), (9, ThemeSetting::Dark, false));
-    assert_eq!(PanelSide::ALL.map(|side| settings.window.panels.get(side)), [500.0, 310.0, 99.0, 240.0, 380.0, 320.0]);
+    assert_eq!(PanelSide::ALL.map(|side| settings.window.panels.get(side)), [500.0, 310.0, 99.0, 240.0, 380.0, 420.0, 320.0]);
     assert_eq!(settings.defaults.of(Predefined::Reflection), [0.5]);
     assert_eq!(settings.defaults.of(Predefined::Refraction), [0.25]);
 }
@@ -379,8 +391,18 @@ fn any_settings() -> impl Strategy<Value = Settings> {
             panels.set(PanelSide::Texts, scale * 100.0);
             panels.set(PanelSide::Inspector, scale);
             let size_of_window = window;
-            let window =
-                WindowSettings { theme, scale, apply_as_you_type, gallery, log, instruments, size: size_of_window, panels };
+            let instruments_at = InstrumentDock::ALL[usize::from(srgb)];
+            let window = WindowSettings {
+                theme,
+                scale,
+                apply_as_you_type,
+                gallery,
+                log,
+                instruments,
+                instruments_at,
+                size: size_of_window,
+                panels,
+            };
             let startup = Location::new(startup);
             let transfer = if srgb { Transfer::Srgb } else { Transfer::Linear };
             let backend = if compiled { DEFAULT } else { crate::backends::REFERENCE };
