@@ -73,7 +73,7 @@ use crate::preview::workshop::{OpenedSession, OpeningErrors, Workshop};
 use crate::preview::{FrameTimes, PictureView, WindowApp};
 use crate::user_data::desktop_theme::desktop_is_dark;
 use crate::user_data::folders::Folders;
-use crate::user_data::settings::{PanelSide, PanelSizes, WindowSettings};
+use crate::user_data::settings::{InstrumentDock, PanelSide, PanelSizes, WindowSettings};
 use crate::workspace::AssetStore;
 use crate::workspace::FileKind;
 use crate::workspace::Location;
@@ -237,7 +237,7 @@ impl App {
             dropped: DroppedFiles::default(),
             settings_dialog: SettingsDialog::default(),
             inspector: InspectorPanel::default(),
-            instruments: InstrumentPanel::new(user_state.settings.window.instruments, waker(&context)),
+            instruments: InstrumentPanel::new(&user_state.settings.window, waker(&context)),
             fitting: FittingPanel::new(waker(&context)),
             sensitivity: SensitivityView::new(waker(&context)),
             materials: MaterialRow::default(),
@@ -325,7 +325,7 @@ impl App {
             remember(ui.ctx(), named("parameters"), PanelSide::Parameters, &mut sizes);
         }
         self.inspector.set_passes(self.workshop.renderer().passes());
-        self.below_picture_ui(ui, waits || typing, &mut sizes, &mut actions);
+        self.around_picture_ui(ui, waits || typing, &mut sizes, &mut actions);
         self.user_state.settings.window.panels = sizes;
         CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
             Panel::bottom("view controls").show(ui, |ui| view_controls::bar(self, ui, &mut actions));
@@ -360,17 +360,24 @@ impl App {
         self.autosave(ui);
     }
 
-    /// Draws the inspector, the instruments and the panel for fits, below the picture. Keys do nothing while something
+    /// Draws the inspector, the instruments and the panel for fits, around the picture. Keys do nothing while something
     /// `waits` for them.
-    fn below_picture_ui(&mut self, ui: &mut Ui, waits: bool, sizes: &mut PanelSizes, actions: &mut Vec<Action>) {
+    fn around_picture_ui(&mut self, ui: &mut Ui, waits: bool, sizes: &mut PanelSizes, actions: &mut Vec<Action>) {
         self.follow_sensitivity(ui, waits);
+        // At the right, the instruments have the height of all panels together.
+        let is_beside = self.instruments.dock_within(ui.available_width()) == InstrumentDock::Right;
+        if is_beside {
+            self.instruments_ui(ui, sizes, actions);
+        }
         let of = self.parameter_of_interest();
         self.inspector.ui(ui, &self.workshop, of, sizes);
         if let Some(place) = self.inspector.take_place() {
             self.parameters.select(OwnerId::Body(place.body));
             self.instruments.look_at(place);
         }
-        self.instruments_ui(ui, sizes, actions);
+        if !is_beside {
+            self.instruments_ui(ui, sizes, actions);
+        }
         self.fitting_ui(ui, sizes);
     }
 

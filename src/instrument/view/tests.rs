@@ -1,4 +1,4 @@
-use super::{Component, InstrumentView, NamedModel, Shown, VIEWS, ViewSettings};
+use super::{Component, InstrumentView, NamedModel, Shown, VIEWS, ViewSettings, readings};
 use crate::instrument::tests::{ClosedForm, ggx};
 use crate::plot::{Chart, ChartTheme, MapValues, painted, svg};
 use std::f64::consts::PI;
@@ -77,5 +77,20 @@ fn slices_and_reciprocity_have_their_numbers() {
     for row in table.rows.iter().step_by(997) {
         let [light, view] = [row[0], row[1]].map(|angle| angle.to_radians().cos());
         assert!((row[2] - (light - view).abs() / light.max(view)).abs() < 1e-4, "{row:?}");
+    }
+}
+
+#[test]
+fn one_viewer_has_the_numbers_of_every_light_and_model() {
+    // The second one tells the side of the viewer: light at an azimuth of 0 is at +x, so its mirror direction is at −x.
+    let side = NamedModel { name: "side".into(), model: Arc::new(ClosedForm(|_, view: glam::DVec3| view.x)) };
+    let settings = ViewSettings { light_polar: vec![0.0, 60.0], ..ViewSettings::default() };
+    let found = readings(&[matte(0.5), side], &settings, 30.0);
+    let wanted = [(0, 0.0, 0.5 / PI, 0.5), (0, 60.0, 0.5 / PI, 0.25), (1, 0.0, -0.5, -0.5 * PI), (1, 60.0, -0.5, -0.25 * PI)];
+    assert_eq!(found.len(), wanted.len());
+    for (found, (model, light, brdf, value)) in found.iter().zip(wanted) {
+        assert_eq!((found.model, found.light), (model, light));
+        assert!(found.brdf.iter().all(|number| (number - brdf).abs() < 1e-6), "{found:?}");
+        assert!(found.value.iter().all(|number| (number - value).abs() < 1e-6), "{found:?}");
     }
 }

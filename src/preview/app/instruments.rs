@@ -4,11 +4,13 @@
 //! them. What they show is known in `instrument` and `plot`.
 
 mod actions;
+mod chart_pane;
 mod controls;
 mod hit;
 mod legend;
 mod overlays;
 mod plots;
+mod reading_words;
 mod sheet;
 mod verdict;
 
@@ -16,21 +18,19 @@ pub(super) use hit::InstrumentPlace;
 
 use crate::instrument::held::{CompiledModel, HeldFormula};
 use crate::instrument::measurement::ModelMeasurement;
-use crate::instrument::model::Place;
+use crate::instrument::model::{Place, reads_coordinates};
 use crate::instrument::view::{LightUse, NamedModel, ViewSettings};
-use crate::plot::{CartesianChart, Chart, ChartTheme, PolarChart};
+use crate::plot::ChartTheme;
 use crate::preview::app::panel_sizes::remember;
 use crate::preview::app::{Action, InstrumentAction};
 use crate::preview::latest::LatestWorker;
 use crate::preview::workshop::Workshop;
 use crate::scene::{BodyId, LightId};
-use crate::user_data::settings::{PanelSide, PanelSizes};
+use crate::user_data::settings::{InstrumentDock, PanelSide, PanelSizes, WindowSettings};
 use crate::workspace::OwnerId;
+use chart_pane::theme_of;
 use controls::ChartControls;
-use egui::{
-    Align, Button, CentralPanel, Color32, Frame, Id, Label, Layout, Margin, Panel, Rect, RichText, ScrollArea, Sense,
-    TextureHandle, TextureOptions, Ui, UiBuilder, vec2,
-};
+use egui::{Align, Button, CentralPanel, Frame, Id, Label, Layout, Margin, Panel, RichText, ScrollArea, TextureHandle, Ui};
 use legend::CurveLegend;
 use overlays::Overlays;
 use sheet::{DrawnChart, SheetRequest};
@@ -38,8 +38,15 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use verdict::VerdictWords;
 
-/// The least height of the panel, in points.
+/// The least height of the panel below the picture, in points.
 const LEAST_HEIGHT: f32 = 180.0;
+/// The least width of the panel at the right of the picture, and of the picture then, in points.
+const LEAST_WIDTH: f32 = 220.0;
+const LEAST_PICTURE_WIDTH: f32 = 150.0;
+/// At least this wide, choices and models have a column each.
+const TWO_COLUMNS: f32 = 360.0;
+/// The most of the height that choices above the chart take.
+const MOST_CHOICES: f32 = 0.45;
 /// The least height that is left for the picture, in points.
 const LEAST_PICTURE: f32 = 250.0;
 /// The width of the choices beside the chart, in points.
@@ -61,6 +68,7 @@ struct InstrumentSubject {
 struct SheetKey {
     view: &'static str,
     settings: ViewSettings,
+    viewer: Option<f64>,
     size: [u32; 2],
     scale: f32,
     theme: ChartTheme,
@@ -78,6 +86,8 @@ struct KnownVerdict {
 pub(super) struct InstrumentPanel {
     /// Whether it is open.
     pub(super) open: bool,
+    /// Where the user wants it.
+    pub(super) dock: InstrumentDock,
     controls: ChartControls,
     legend: CurveLegend,
     body: Option<BodyId>,
@@ -91,6 +101,8 @@ pub(super) struct InstrumentPanel {
     overlays_version: u64,
     /// Whether a slider is held, so that charts are drafts.
     is_moving: bool,
+    /// Whether the formula reads coordinates of the surface.
+    reads_coordinates: bool,
     sheets: LatestWorker<SheetRequest, DrawnChart>,
     asked: Option<SheetKey>,
     number: u64,
@@ -104,7 +116,7 @@ pub(super) struct InstrumentPanel {
 
 impl InstrumentPanel {
     /// The panel. `wake` wakes the window.
-    pub(super) fn new(open: bool, wake: impl Fn() + Send + Sync + 'static) -> Self {
+    pub(super) fn new(settings: &WindowSettings, wake: impl Fn() + Send + Sync + 'static) -> Self {
         let wake = Arc::new(wake);
         let also = Arc::clone(&wake);
         let measure = |held: HeldFormula| {
@@ -113,7 +125,8 @@ impl InstrumentPanel {
             (KnownVerdict { words, held }, start.elapsed())
         };
         Self {
-            open,
+            open: settings.instruments,
+            dock: settings.instruments_at,
             controls: ChartControls::default(),
             legend: CurveLegend::default(),
             body: None,
@@ -124,6 +137,7 @@ impl InstrumentPanel {
             overlays: Overlays::default(),
             overlays_version: 0,
             is_moving: false,
+            reads_coordinates: false,
             sheets: LatestWorker::new(|request| DrawnChart::new(&request), move || wake()),
             asked: None,
             number: 0,
@@ -140,11 +154,13 @@ impl InstrumentPanel {
     pub(super) fn look_at(&mut self, place: InstrumentPlace) {
         self.open = true;
         self.controls.look(place.light_angles, place.view_angles);
+        self.controls.place_at(place.coordinates);
         (self.body, self.light) = (Some(place.body), Some(place.light));
         self.place = Some(place);
     }
 
-    /// Draws the panel below the picture, with the current values. `selected` is the owner whose values are in view.
+    /// Draws the panel below the picture or at its right, with the current values. `selected` is the owner whose values
+    /// are in view.
     pub(super) fn ui(
         &mut self,
         ui: &mut Ui,
@@ -157,24 +173,69 @@ impl InstrumentPanel {
             return;
         }
         self.follow(workshop, selected, formula);
+        match self.dock_within(ui.available_width()) {
+            InstrumentDock::Below => self.below_ui(ui, workshop, sizes, actions),
+            InstrumentDock::Right => self.right_ui(ui, workshop, sizes, actions),
+        }
+    }
+
+    /// Where the panel is, if picture and panel have this width together: not at the right if that is too narrow.
+    pub(super) fn dock_within(&self, width: f32) -> InstrumentDock {
+        if fits_right(width) { self.dock } else { InstrumentDock::Below }
+    }
+
+    /// Draws the panel below the picture: choices at the left of the chart.
+    fn below_ui(&mut self, ui: &mut Ui, workshop: &Workshop, sizes: &mut PanelSizes, actions: &mut Vec<Action>) {
         let room = ui.available_height();
+        let fits_right = fits_right(ui.available_width());
         // The picture keeps some, too.
         let most = (room - LEAST_PICTURE).min(0.62 * room).max(LEAST_HEIGHT);
         let id = Id::new("instruments");
         let panel = Panel::bottom(id).resizable(true).default_size(sizes.get(PanelSide::Instruments));
         panel.size_range(LEAST_HEIGHT..=most).show(ui, |ui| {
-            self.header_ui(ui, workshop);
+            self.header_ui(ui, workshop, fits_right);
             ui.horizontal_wrapped(|ui| self.controls.views_ui(ui));
             ui.add_space(2.0);
             let side = Panel::left("instrument controls").resizable(false).exact_size(CONTROLS_WIDTH);
             side.frame(Frame::NONE.inner_margin(Margin { left: 0, right: 8, top: 4, bottom: 0 })).show(ui, |ui| {
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| self.controls_ui(ui, actions));
+                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                    self.choices_ui(ui);
+                    ui.separator();
+                    self.models_ui(ui, actions);
+                });
             });
             CentralPanel::default()
                 .frame(Frame::NONE.inner_margin(Margin { left: 8, right: 0, top: 2, bottom: 0 }))
                 .show(ui, |ui| self.chart_ui(ui));
         });
         remember(ui.ctx(), id, PanelSide::Instruments, sizes);
+    }
+
+    /// Draws the panel at the right of the picture: choices above the chart.
+    fn right_ui(&mut self, ui: &mut Ui, workshop: &Workshop, sizes: &mut PanelSizes, actions: &mut Vec<Action>) {
+        let most = (ui.available_width() - LEAST_PICTURE_WIDTH).max(LEAST_WIDTH);
+        let id = Id::new("instruments at the right");
+        let panel = Panel::right(id).resizable(true).default_size(sizes.get(PanelSide::InstrumentsAtRight));
+        panel.size_range(LEAST_WIDTH..=most).show(ui, |ui| {
+            self.header_ui(ui, workshop, true);
+            ui.horizontal_wrapped(|ui| self.controls.views_ui(ui));
+            ui.separator();
+            let choices = ScrollArea::vertical().auto_shrink([false, true]).max_height(MOST_CHOICES * ui.available_height());
+            choices.show(ui, |ui| {
+                if ui.available_width() < TWO_COLUMNS {
+                    self.choices_ui(ui);
+                    ui.separator();
+                    return self.models_ui(ui, actions);
+                }
+                ui.columns(2, |columns| {
+                    self.choices_ui(&mut columns[0]);
+                    self.models_ui(&mut columns[1], actions);
+                });
+            });
+            ui.separator();
+            self.chart_ui(ui);
+        });
+        remember(ui.ctx(), id, PanelSide::InstrumentsAtRight, sizes);
     }
 
     /// Takes the formula and its values, and asks for a verdict on them.
@@ -200,7 +261,11 @@ impl InstrumentPanel {
             let separator = if about.is_empty() { "" } else { ", " };
             about.push_str(&format!("{separator}light {}", scene.light(light).name));
         }
-        let place = self.place.as_ref().map_or_else(Place::default, |place| place.place.clone());
+        let mut place = self.place.as_ref().map_or_else(Place::default, |place| place.place.clone());
+        self.reads_coordinates = reads_coordinates(workshop.formula());
+        if self.reads_coordinates {
+            place = place.at_coordinates(self.controls.coordinates());
+        }
         let numbers = workshop.reflection_numbers(self.body, self.light);
         let held = HeldFormula { compiled, numbers, place, keeps_pairs: false };
         self.is_moving = workshop.held().is_some();
@@ -219,12 +284,24 @@ impl InstrumentPanel {
         }
     }
 
-    /// Draws the verdict, and the button that closes the panel.
-    fn header_ui(&mut self, ui: &mut Ui, workshop: &Workshop) {
+    /// Draws the verdict, and the buttons that close and move the panel. `fits_right` says whether there is room at the
+    /// right of the picture.
+    fn header_ui(&mut self, ui: &mut Ui, workshop: &Workshop, fits_right: bool) {
         ui.horizontal(|ui| {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 if ui.small_button("×").on_hover_text("Close the instruments (Ctrl+I)").clicked() {
                     self.open = false;
+                }
+                let (name, other, about) = match self.dock {
+                    InstrumentDock::Below => ("To the right", InstrumentDock::Right, "at the right of the picture"),
+                    InstrumentDock::Right => ("Below", InstrumentDock::Below, "below the picture"),
+                };
+                let can_move = fits_right || self.dock == InstrumentDock::Right;
+                let button = ui.add_enabled(can_move, Button::new(name).small());
+                let button = button.on_hover_text(format!("Put the instruments {about}"));
+                let why = "There is no room at the right of the picture: make the window wider, or a panel narrower";
+                if button.on_disabled_hover_text(why).clicked() {
+                    self.dock = other;
                 }
                 ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                     if workshop.formula().parameter_ids().next().is_none() {
@@ -257,9 +334,8 @@ impl InstrumentPanel {
         });
     }
 
-    /// Draws what is chosen, the models beside the formula, and the buttons.
-    fn controls_ui(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
-        let theme = theme_of(ui);
+    /// Draws what is chosen.
+    fn choices_ui(&mut self, ui: &mut Ui) {
         if let Some(subject) = &self.subject {
             let about = "What the charts are of. Select another body or light in the list of parameters or in the picture.";
             ui.add(Label::new(RichText::new(&subject.about).strong()).truncate()).on_hover_text(about);
@@ -274,8 +350,12 @@ impl InstrumentPanel {
                 self.place = None;
             }
         }
-        self.controls.ui(ui);
-        ui.separator();
+        self.controls.ui(ui, self.reads_coordinates);
+    }
+
+    /// Draws the models beside the formula, and the buttons.
+    fn models_ui(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
+        let theme = theme_of(ui);
         ui.horizontal_wrapped(|ui| {
             let has_room = self.overlays.has_room();
             let keep = ui.add_enabled(has_room, Button::new("Keep"));
@@ -317,89 +397,8 @@ impl InstrumentPanel {
     /// What the present chart is asked for.
     fn request(&self, size: [u32; 2], scale: f32, theme: ChartTheme) -> SheetRequest {
         let settings = self.settings();
-        let (number, view) = (self.number, self.controls.view());
-        SheetRequest { number, view, models: self.models(), settings, size, scale: f64::from(scale), theme }
-    }
-
-    /// Asks for the present chart, unless it was asked for, and takes what was made.
-    fn ask_sheet(&mut self, ui: &Ui, size: [u32; 2]) {
-        let (scale, theme) = (ui.ctx().pixels_per_point(), theme_of(ui));
-        let Some(subject) = &self.subject else { return };
-        let key = SheetKey {
-            view: self.controls.view().name,
-            settings: self.settings(),
-            size,
-            scale,
-            theme,
-            held: subject.held.clone(),
-            overlays: self.overlays_version,
-        };
-        if self.asked.as_ref() != Some(&key) {
-            self.asked = Some(key);
-            self.number += 1;
-            let request = self.request(size, scale, theme);
-            self.sheets.ask(request);
-        }
-        if let Some(mut sheet) = self.sheets.take() {
-            if let Some(image) = sheet.image.take() {
-                match &mut self.texture {
-                    Some(texture) => texture.set(image, TextureOptions::LINEAR),
-                    None => self.texture = Some(ui.ctx().load_texture("chart", image, TextureOptions::LINEAR)),
-                }
-            }
-            self.sheet = Some(sheet);
-        }
-    }
-
-    /// Draws the chart into the rest of the panel.
-    fn chart_ui(&mut self, ui: &mut Ui) {
-        /// The height of the line above the chart, in points.
-        const HEADING: f32 = 18.0;
-        let room = ui.available_size();
-        let size = [room.x, room.y - HEADING].map(|side| side.round().clamp(60.0, 2400.0) as u32);
-        self.ask_sheet(ui, size);
-        let theme = theme_of(ui);
-        let mark = self.place.as_ref().map(|place| (place.view_angles[0], "viewer"));
-        // A chart of another view would be taken for this one.
-        let Some(sheet) = self.sheet.as_ref().filter(|sheet| sheet.view == self.controls.view().name) else {
-            ui.centered_and_justified(|ui| ui.weak("Drawing…"));
-            return;
-        };
-        let words = [&sheet.heading.title, &sheet.heading.subtitle].map(|text| plots::plain(text));
-        let words = words.into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join("; ");
-        let is_behind = sheet.number != self.number && self.sheets.is_busy();
-        let words = if is_behind { format!("{words} …") } else { words };
-        let about = format!("{words}\nDrawn in {:.1} ms", 1e3 * sheet.time.as_secs_f64());
-        ui.add(Label::new(RichText::new(words).small().weak()).truncate()).on_hover_text(about);
-        match (&sheet.chart, &self.texture) {
-            (Chart::Cartesian(chart), _) => {
-                let mark = mark.filter(|_| self.controls.view().lights == LightUse::Several);
-                let room = self.legend.ui(ui, &chart.curves, theme);
-                let chart = CartesianChart { curves: self.legend.shown(&chart.curves), ..chart.clone() };
-                ui.scope_builder(UiBuilder::new().max_rect(room), |ui| plots::cartesian_ui(ui, &chart, theme, mark));
-            }
-            (Chart::Polar(chart), _) => {
-                let room = self.legend.ui(ui, &chart.curves, theme);
-                let chart = PolarChart { curves: self.legend.shown(&chart.curves), ..chart.clone() };
-                ui.scope_builder(UiBuilder::new().max_rect(room), |ui| plots::polar_ui(ui, &chart, theme, mark));
-            }
-            (Chart::Map(_) | Chart::Lobe(_), Some(texture)) => {
-                let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
-                let points = texture.size_vec2() / ui.ctx().pixels_per_point();
-                let shown = Rect::from_min_size(rect.min, points);
-                let whole = Rect::from_min_size(egui::Pos2::ZERO, vec2(1.0, 1.0));
-                ui.painter_at(rect).image(texture.id(), shown, whole, Color32::WHITE);
-                let turns = matches!(sheet.chart, Chart::Lobe(_));
-                if turns && response.dragged() {
-                    self.controls.turn(response.drag_delta().into());
-                    ui.ctx().request_repaint();
-                }
-                if turns {
-                    response.on_hover_text_at_pointer("Drag to turn").on_hover_cursor(egui::CursorIcon::Grab);
-                }
-            }
-            (Chart::Map(_) | Chart::Lobe(_), None) => {}
-        }
+        let (number, view, viewer) = (self.number, self.controls.view(), self.controls.viewer());
+        SheetRequest { number, view, models: self.models(), settings, viewer, size, scale: f64::from(scale), theme }
     }
 
     /// Whether the chart and the verdict are those of the present values.
@@ -410,6 +409,12 @@ impl InstrumentPanel {
             && !self.verdicts.is_busy()
             && self.sheet.as_ref().is_some_and(|sheet| sheet.number == self.number)
             && self.subject.as_ref().is_some_and(is_known)
+    }
+
+    /// What is read out above the chart.
+    #[cfg(test)]
+    pub(super) fn reading(&self) -> String {
+        self.sheet.as_ref().map(|sheet| sheet.reading.line.clone()).unwrap_or_default()
     }
 
     /// The name of the view.
@@ -435,7 +440,7 @@ impl InstrumentPanel {
     }
 }
 
-/// The colours of charts that suit the window.
-fn theme_of(ui: &Ui) -> ChartTheme {
-    if ui.visuals().dark_mode { ChartTheme::Dark } else { ChartTheme::Light }
+/// Whether there is room for the panel at the right of the picture, if both have this width together.
+fn fits_right(width: f32) -> bool {
+    width >= LEAST_WIDTH + LEAST_PICTURE_WIDTH
 }

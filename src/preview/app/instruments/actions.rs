@@ -47,7 +47,8 @@ impl App {
         let name = self.formula_name();
         let of = (self.parameters.selected(), name.as_str());
         self.instruments.ui(ui, &self.workshop, of, sizes, actions);
-        self.user_state.settings.window.instruments = self.instruments.open;
+        let window = &mut self.user_state.settings.window;
+        (window.instruments, window.instruments_at) = (self.instruments.open, self.instruments.dock);
     }
 
     /// Shows the dialog that saves the chart, with a name of the formula and the view.

@@ -8,6 +8,9 @@ const MOST_ANGLES: usize = 6;
 /// The greatest angle of the light, in degrees.
 const STEEPEST: f64 = 89.0;
 
+/// The greatest coordinate of a surface that can be typed.
+const FARTHEST: f64 = 1e4;
+
 /// The choices.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ChartControls {
@@ -19,6 +22,10 @@ pub(super) struct ChartControls {
     angle: f64,
     /// The azimuth of the light, in degrees from the tangent.
     azimuth: f64,
+    /// The angle of the viewer in the plane of curves, in degrees from the normal.
+    viewer: f64,
+    /// The coordinates of the surface, `u` and `v`.
+    coordinates: [f64; 2],
     /// From the plane of incidence to the plane of curves, in degrees.
     plane: f64,
     is_log: bool,
@@ -39,6 +46,8 @@ impl Default for ChartControls {
             angles: vec![0.0, 30.0, 60.0],
             angle: 45.0,
             azimuth: light_azimuth,
+            viewer: 30.0,
+            coordinates: [0.0; 2],
             plane,
             is_log,
             false_colours,
@@ -67,10 +76,26 @@ impl ChartControls {
     }
 
     /// Takes the directions of a hit: polar angle and azimuth of the light and of the viewer, in degrees.
-    pub(super) fn look(&mut self, [light, azimuth]: [f64; 2], [_, around]: [f64; 2]) {
+    pub(super) fn look(&mut self, [light, azimuth]: [f64; 2], [viewer, around]: [f64; 2]) {
         let light = light.min(STEEPEST);
         (self.angles, self.angle, self.azimuth) = (vec![light], light, turned(azimuth));
+        self.viewer = viewer.min(STEEPEST);
         self.plane = turned(around - azimuth - 180.0);
+    }
+
+    /// The coordinates of the surface.
+    pub(super) fn coordinates(&self) -> [f64; 2] {
+        self.coordinates
+    }
+
+    /// Takes the coordinates of a hit.
+    pub(super) fn place_at(&mut self, coordinates: [f64; 2]) {
+        self.coordinates = coordinates;
+    }
+
+    /// The angle of the viewer, in views for which its numbers are read out.
+    pub(super) fn viewer(&self) -> Option<f64> {
+        matches!(self.view().name, "polar" | "cartesian" | "lobe" | "slice").then_some(self.viewer)
     }
 
     /// Turns lobes with the mouse, which was moved by these points.
@@ -86,6 +111,8 @@ impl ChartControls {
             light_polar: match self.view().lights {
                 LightUse::Several => self.angles.clone(),
                 LightUse::One => vec![self.angle],
+                // The chart has every angle, but one of them is read out.
+                LightUse::All if self.viewer().is_some() => vec![self.angle],
                 LightUse::All | LightUse::Integrated => Vec::new(),
             },
             light_azimuth: self.azimuth,
@@ -108,30 +135,13 @@ impl ChartControls {
         }
     }
 
-    /// Draws the choices that the view has.
-    pub(super) fn ui(&mut self, ui: &mut Ui) {
-        match self.view().lights {
-            LightUse::Several => self.angles_ui(ui),
-            LightUse::One => {
-                ui.label("Light at").on_hover_text("The angle of the light from the normal");
-                ui.spacing_mut().slider_width = 96.0;
-                ui.add(Slider::new(&mut self.angle, 0.0..=STEEPEST).suffix("°").fixed_decimals(0));
-            }
-            LightUse::All | LightUse::Integrated => {}
+    /// Draws the choices that the view has; the coordinates of the surface only if the formula reads them.
+    pub(super) fn ui(&mut self, ui: &mut Ui, reads_coordinates: bool) {
+        self.directions_ui(ui);
+        if reads_coordinates {
+            self.coordinates_ui(ui);
         }
         let view = self.view().name;
-        Grid::new("directions").num_columns(2).show(ui, |ui| {
-            let about = "The direction of the light about the normal, from the tangent. Anisotropic models depend on it";
-            ui.label("azimuth").on_hover_text(about);
-            angle_field(ui, &mut self.azimuth, 360.0);
-            ui.end_row();
-            if matches!(view, "polar" | "cartesian" | "reciprocity") {
-                let about = "The angle between the plane of incidence and the plane in which the viewer is";
-                ui.label("plane").on_hover_text(about);
-                angle_field(ui, &mut self.plane, 360.0);
-                ui.end_row();
-            }
-        });
         if !matches!(view, "furnace" | "reciprocity" | "sphere") {
             let named = |component: Option<Component>| {
                 let found = Component::ALL.iter().find(|(_, other)| Some(*other) == component);
@@ -158,6 +168,56 @@ impl ChartControls {
         if view == "slice" {
             ui.checkbox(&mut self.false_colours, "false colours");
         }
+    }
+
+    /// Draws the directions of light and viewer.
+    fn directions_ui(&mut self, ui: &mut Ui) {
+        let has_viewer = self.viewer().is_some();
+        match self.view().lights {
+            LightUse::Several => self.angles_ui(ui),
+            LightUse::All if !has_viewer => {}
+            LightUse::One | LightUse::All => {
+                ui.label("Light at").on_hover_text("The angle of the light from the normal");
+                ui.spacing_mut().slider_width = 96.0;
+                ui.add(Slider::new(&mut self.angle, 0.0..=STEEPEST).suffix("°").fixed_decimals(0));
+            }
+            LightUse::Integrated => {}
+        }
+        let view = self.view().name;
+        Grid::new("directions").num_columns(2).show(ui, |ui| {
+            if has_viewer {
+                let about = "The angle of the viewer from the normal, whose numbers are read out above the chart: positive at the \
+                             side of the mirror direction, in the plane of the curves";
+                let label = ui.label("Viewer at").on_hover_text(about);
+                let field = DragValue::new(&mut self.viewer).range(-STEEPEST..=STEEPEST).speed(0.5).max_decimals(1).suffix("°");
+                ui.add(field).labelled_by(label.id);
+                ui.end_row();
+            }
+            let about = "The direction of the light about the normal, from the tangent. Anisotropic models depend on it";
+            ui.label("azimuth").on_hover_text(about);
+            angle_field(ui, &mut self.azimuth, 360.0);
+            ui.end_row();
+            if has_viewer || view == "reciprocity" {
+                let about = "The angle between the plane of incidence and the plane in which the viewer is";
+                ui.label("plane").on_hover_text(about);
+                angle_field(ui, &mut self.plane, 360.0);
+                ui.end_row();
+            }
+        });
+    }
+
+    /// Draws the coordinates of the surface.
+    fn coordinates_ui(&mut self, ui: &mut Ui) {
+        ui.horizontal(|ui| {
+            for (name, number) in ["u", "v"].into_iter().zip(&mut self.coordinates) {
+                let label = ui.label(name).on_hover_text("A coordinate of the surface, which the formula reads");
+                let field = DragValue::new(number).range(-FARTHEST..=FARTHEST).speed(0.005).max_decimals(4);
+                ui.add(field).labelled_by(label.id);
+                if !number.is_finite() {
+                    *number = 0.0;
+                }
+            }
+        });
     }
 
     /// Draws the list of angles of the light.
@@ -200,6 +260,7 @@ mod tests {
         let mut controls = ChartControls::default();
         controls.look([35.0, 300.0], [20.0, 100.0]);
         let settings = controls.settings();
+        assert_eq!(controls.viewer(), Some(20.0));
         assert_eq!((settings.light_polar, settings.light_azimuth), (vec![35.0], -60.0));
         // The curves are at the azimuth of the light + 180 + plane.
         assert_eq!((settings.light_azimuth + 180.0 + settings.plane).rem_euclid(360.0), 100.0);

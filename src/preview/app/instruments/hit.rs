@@ -13,6 +13,8 @@ pub(in crate::preview::app) struct InstrumentPlace {
     pub(in crate::preview::app) body: BodyId,
     pub(in crate::preview::app) light: LightId,
     pub(super) place: Place,
+    /// The coordinates of the surface, `u` and `v`.
+    pub(super) coordinates: [f64; 2],
     /// The polar angle from the normal and the azimuth from the tangent of the light, in degrees.
     pub(super) light_angles: [f64; 2],
     /// The same of the viewer.
@@ -35,8 +37,6 @@ impl InstrumentPlace {
         let given = vec![
             (Variable::Point, wide(variables.point)),
             (Variable::GeometricNormal, wide(variables.geometric_normal)),
-            (Variable::SurfaceU, number(variables.coordinates.x)),
-            (Variable::SurfaceV, number(variables.coordinates.y)),
             (Variable::RelativeIndex, number(variables.relative_index)),
             (Variable::Distance, number(light.variables.distance)),
         ];
@@ -54,6 +54,7 @@ impl InstrumentPlace {
         );
         let words = format!("at pixel ({x}, {y})");
         let (body, light) = (hit.body(), light.light);
-        Self { body, light, place: Place { frame, given }, light_angles, view_angles, words, details }
+        let coordinates = variables.coordinates.as_dvec2().to_array();
+        Self { body, light, place: Place { frame, given }, coordinates, light_angles, view_angles, words, details }
     }
 }

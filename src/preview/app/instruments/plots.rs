@@ -62,6 +62,12 @@ pub(super) fn number_text(number: f64) -> String {
     }
 }
 
+/// A colour as one number if red, green and blue are the same, as far as it is written; otherwise as three.
+pub(super) fn colour_text(colour: [f64; 3]) -> String {
+    let [red, green, blue] = colour.map(number_text);
+    if red == green && green == blue { red } else { format!("({red}, {green}, {blue})") }
+}
+
 /// A text of a chart without its small low letters, which widgets do not have.
 pub(super) fn plain(text: &str) -> String {
     let letters = text.chars().filter(|letter| *letter != '\u{e001}');

@@ -1,10 +1,10 @@
 //! Charts made on another thread: the numbers, and the drawing where egui draws none itself. And charts as files.
 
 use crate::files::{reason, replace_file};
-use crate::instrument::view::{InstrumentView, NamedModel, ViewSettings};
+use crate::instrument::view::{InstrumentView, NamedModel, ViewSettings, readings};
 use crate::picture::Bitmap;
 use crate::plot::{Chart, ChartFormat, ChartHeading, ChartTheme, painted};
-
+use crate::preview::app::instruments::reading_words::ReadingWords;
 use egui::ColorImage;
 use std::io::Write;
 use std::path::Path;
@@ -17,6 +17,8 @@ pub(super) struct SheetRequest {
     pub(super) view: &'static InstrumentView,
     pub(super) models: Vec<NamedModel>,
     pub(super) settings: ViewSettings,
+    /// The angle of a viewer whose numbers are read out, in degrees.
+    pub(super) viewer: Option<f64>,
     /// Width and height in points.
     pub(super) size: [u32; 2],
     /// Pixels per point.
@@ -32,6 +34,10 @@ pub(super) struct DrawnChart {
     /// Its heading is taken out.
     pub(super) chart: Chart,
     pub(super) heading: ChartHeading,
+    /// What is read out above it; empty without a viewer.
+    pub(super) reading: ReadingWords,
+    /// The width and height that it was asked for, in points.
+    pub(super) size: [u32; 2],
     /// The drawing, of charts that egui does not draw itself.
     pub(super) image: Option<ColorImage>,
     pub(super) time: Duration,
@@ -50,7 +56,11 @@ impl DrawnChart {
                 painted(&figure).ok().map(|bitmap| image_of(&bitmap))
             }
         };
-        Self { number: request.number, view: request.view.name, chart, heading, image, time: start.elapsed() }
+        let read =
+            |viewer: f64| ReadingWords::new(&request.models, viewer, &readings(&request.models, &request.settings, viewer));
+        let reading = request.viewer.map(read).unwrap_or_default();
+        let (number, view, size) = (request.number, request.view.name, request.size);
+        Self { number, view, chart, heading, reading, size, image, time: start.elapsed() }
     }
 }
 

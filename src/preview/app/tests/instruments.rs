@@ -149,6 +149,81 @@ fn a_hit_gives_the_directions_and_the_place() {
     assert!((angle - f64::from(light.variables.alpha.to_degrees())).abs() < 1e-2);
 }
 
+/// The number in the field beside a label.
+fn typed(harness: &mut Harness<'_, App>, label: &str, number: &str) {
+    harness.get_by_role_and_label(Role::SpinButton, label).click();
+    harness.run_steps(3);
+    harness.event(egui::Event::Text(number.to_owned()));
+    harness.key_press(egui::Key::Enter);
+    harness.run_steps(3);
+    settle_instruments(harness);
+}
+
+#[test]
+fn a_viewer_that_is_typed_has_its_numbers_read_out_for_each_light_and_model() {
+    let text = "body_specific; part: scalar, constraint 0..4, default 0.5, slider; formula;
+        = part*IL*max(0, N.L)*<1, 0.5, N.V>;";
+    let mut harness = instruments(text);
+    typed(&mut harness, "Viewer at", "-60");
+    // 0.5/π and 0.25/π; the third is 0.5/π · cos 60°. The value is π · BRDF · cos θ of the light.
+    for words in [
+        "viewer −60°; light 0°: BRDF (0.1592, 0.07958, 0.07958), value (0.5, 0.25, 0.25)",
+        "light 60°: BRDF (0.1592, 0.07958, 0.07958), value (0.25, 0.125, 0.125)",
+    ] {
+        assert!(harness.query_by_label_contains(words).is_some(), "{:?}", harness.state().instruments.reading());
+    }
+    harness.get_by_label("Keep").click();
+    harness.step();
+    set_all(&mut harness, "part", 0.25);
+    settle_instruments(&mut harness);
+    let now = "now, light 0°: BRDF (0.07958, 0.03979, 0.03979)";
+    let kept = "phong 1, light 0°: BRDF (0.1592, 0.07958, 0.07958)";
+    let said = harness.state().instruments.reading();
+    assert!(said.contains(now) && said.contains(kept), "{said}");
+    // Other views with a viewer have it too, for their own light; those without one have no field.
+    for (view, is_there) in [("Cartesian", true), ("Lobe", true), ("Slice", true), ("Reciprocity", false), ("Sphere", false)] {
+        harness.get_by_label(view).click();
+        harness.step();
+        settle_instruments(&mut harness);
+        assert_eq!(harness.query_all_by_label("Viewer at").count() > 0, is_there, "{view}");
+        let said = harness.state().instruments.reading();
+        assert_eq!(said.contains("viewer −60°"), is_there, "{view}: {said}");
+    }
+}
+
+#[test]
+fn coordinates_are_asked_for_if_the_formula_reads_them() {
+    let mut harness = instruments(LAMBERT);
+    assert!(harness.query_by_role_and_label(Role::SpinButton, "u").is_none());
+    apply(&mut harness, "body_specific; p: scalar, default 1, slider; formula; = p*IL*<u, v, 1>*max(0, N.L);");
+    settle_instruments(&mut harness);
+    typed(&mut harness, "u", "0.25");
+    typed(&mut harness, "v", "0.75");
+    let said = harness.state().instruments.reading();
+    assert!(said.contains("light 0°: BRDF (0.07958, 0.2387, 0.3183), value (0.25, 0.75, 1)"), "{said}");
+}
+
+#[test]
+fn the_panel_moves_to_the_right_and_stays_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let folders = Folders::below(folder.path());
+    let mut harness = harness_in(Some(&folders));
+    harness.state_mut().perform(Action::TogglePanel(PanelId::Instruments));
+    settle_instruments(&mut harness);
+    let chart_below = harness.get_by_label("Keep").rect();
+    assert!(chart_below.top() > harness.state().pane.area().bottom());
+    harness.get_by_label("To the right").click();
+    harness.run_steps(4);
+    settle_instruments(&mut harness);
+    let (pane, keep) = (harness.state().pane.area(), harness.get_by_label("Keep").rect());
+    assert!(keep.left() > pane.right() && pane.width() > 140.0, "{keep} {pane}");
+    assert!(keep.right() < harness.get_all_by_label("ka").next().expect("a parameter").rect().left());
+    harness.state_mut().closing();
+    drop(harness);
+    let app = App::new(Some(&Location::Preset("studio".to_owned())), Some(&folders)).expect("a built-in session");
+    assert_eq!(app.user_state.settings.window.instruments_at, crate::user_data::settings::InstrumentDock::Right);
+}
+
 /// Waits until the sensitivity in view is that of the values.
 fn settle_sensitivity(harness: &mut Harness<'_, App>) {
     for _ in 0..30_000 {
