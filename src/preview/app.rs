@@ -29,6 +29,7 @@ mod key_groups;
 mod key_list;
 mod log;
 mod materials;
+mod measured_comparison;
 mod menu;
 mod menu_entries;
 mod mesh_adding;
@@ -94,6 +95,7 @@ use instruments::InstrumentPanel;
 use jobs::{JobResult, Jobs};
 use log::Log;
 use materials::MaterialRow;
+use measured_comparison::MeasuredComparison;
 use notices::{Notice, Notices, Topic};
 use pane::PicturePane;
 use panel_sizes::remember;
@@ -153,6 +155,7 @@ pub struct App {
     instruments: InstrumentPanel,
     fitting: FittingPanel,
     sensitivity: SensitivityView,
+    measured: MeasuredComparison,
     materials: MaterialRow,
     user_state: UserState,
     /// When drafts were written last, in seconds of egui's clock.
@@ -240,6 +243,7 @@ impl App {
             instruments: InstrumentPanel::new(&user_state.settings.window, waker(&context)),
             fitting: FittingPanel::new(waker(&context)),
             sensitivity: SensitivityView::new(waker(&context)),
+            measured: MeasuredComparison::new(waker(&context)),
             materials: MaterialRow::default(),
             drafts_written_at: 0.0,
             theme: Theme::Dark,
@@ -283,6 +287,7 @@ impl App {
         let size = ui.ctx().content_rect().size() * self.scale;
         self.user_state.settings.window.size = [size.x, size.y].map(|side| side.round() as u32);
         self.take_news();
+        self.follow_measured();
         self.follow_files(ui);
         let typing = std::mem::take(&mut self.typing) || ui.ctx().text_edit_focused();
         // While a dialog waits for an answer, shortcuts do nothing.
@@ -443,7 +448,6 @@ impl App {
             JobResult::ThumbnailMade(key, image) => self.thumbnails.keep(self.context.get(), *key, image),
             JobResult::ChartNotSaved(error) => self.tell_not_saved(&error, Action::Instruments(InstrumentAction::ShowSaveDialog)),
             JobResult::MeasuredRead(path, read) => self.take_measured(&path, read),
-            JobResult::MeasuredPictureMade(made) => self.take_measured_picture(made),
             JobResult::PictureNotSaved(error) => self.tell_not_saved(&error, Action::ShowSavePictureDialog),
             JobResult::ImageRead(image) => self.set_image(*image),
             JobResult::DraftsWritten(Ok(())) => {

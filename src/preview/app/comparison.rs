@@ -76,10 +76,12 @@ impl PaneMode {
         }
     }
 
-    /// The size that the current picture must have to be compared.
+    /// The size that the current picture must have to be compared. One with a measured material follows it instead.
     pub(super) fn wanted_size(self, workshop: &Workshop) -> Option<[u32; 2]> {
         let [one, other] = self.pair()?;
-        (other == Compared::Now).then(|| one.picture(workshop).map(|picture| picture.full_size)).flatten()
+        (other == Compared::Now && one != Compared::Measured)
+            .then(|| one.picture(workshop).map(|picture| picture.full_size))
+            .flatten()
     }
 }
 

@@ -260,6 +260,7 @@ impl App {
 
     fn begin_session(&mut self) {
         let settings = &self.user_state.settings;
+        self.measured.end();
         self.workshop.begin_session(settings.picture(), |table| settings.initial_values(table));
         self.steps = OtherSteps::default();
         self.session = None;
@@ -299,6 +300,7 @@ impl App {
     fn show_session(&mut self, opened: OpenedSession, location: Option<Location>) {
         // What is being read is for the session before.
         self.asset_loading.cancel();
+        self.measured.end();
         self.workshop.open(&opened.project);
         self.documents = documents(&opened);
         self.steps = OtherSteps::default();

@@ -150,6 +150,11 @@ impl InstrumentPanel {
         }
     }
 
+    /// The body whose values the charts have.
+    pub(super) fn body(&self) -> Option<BodyId> {
+        self.body
+    }
+
     /// Takes the directions and the surface of a hit.
     pub(super) fn look_at(&mut self, place: InstrumentPlace) {
         self.open = true;

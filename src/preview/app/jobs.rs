@@ -4,7 +4,6 @@
 use crate::lang::diagnostic::Diagnostic;
 use crate::measured::MeasuredMaterial;
 use crate::preview::app::thumbnail_key::ThumbnailKey;
-use crate::preview::renderer::Picture;
 use crate::workspace::OwnerId;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -25,28 +24,12 @@ pub(super) enum JobResult {
     ChartNotSaved(String),
     /// A measured material was read for the instruments, or could not be.
     MeasuredRead(PathBuf, Result<Arc<MeasuredMaterial>, Diagnostic>),
-    /// The picture with a measured material was made, or could not be; and what it shows.
-    MeasuredPictureMade(Result<Box<MeasuredPicture>, String>),
     /// A thumbnail was made; without an image if there is none.
     ThumbnailMade(Box<ThumbnailKey>, Option<egui::ColorImage>),
     /// An image was read for a texture, or could not be.
     ImageRead(Box<ImageRead>),
     /// Drafts were written, or could not be.
     DraftsWritten(Result<(), Diagnostic>),
-}
-
-/// A picture with a measured material.
-#[derive(Debug, Clone)]
-pub(super) struct MeasuredPicture {
-    pub(super) picture: Picture,
-    /// What it shows, in words.
-    pub(super) about: String,
-}
-
-impl PartialEq for MeasuredPicture {
-    fn eq(&self, other: &Self) -> bool {
-        self.about == other.about && self.picture.pixels == other.picture.pixels
-    }
 }
 
 /// An image that was read for a texture of an owner.

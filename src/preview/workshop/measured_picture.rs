@@ -18,15 +18,14 @@ pub struct MeasuredTwin {
 }
 
 impl Workshop {
-    /// The picture of the values with the measured material of this number on a body, and its file. It has as many
-    /// passes as the picture in view. `None` if the body is gone, or the formula has too many parameters.
-    pub fn measured_twin(&mut self, body: BodyId, (path, number): (&str, f32)) -> Option<MeasuredTwin> {
+    /// The picture of the values with the measured material of this number on a body, and its file. It is the mean of
+    /// this many passes. `None` if the body is gone, or the formula has too many parameters.
+    pub fn measured_twin(&mut self, body: BodyId, (path, number): (&str, f32), passes: u32) -> Option<MeasuredTwin> {
         let view = self.view().ok()?;
         let (formula, switch) = self.formula.with_measured(path, number)?;
         let (mut values, _) = self.values.carry_over(&formula, self.scene());
         values.move_to(OwnerId::Body(body), switch, [1.0; 3]);
         let subject = Subject { formula: Arc::new(formula), world: Arc::clone(&self.world), view };
-        let passes = (self.shown.passes.shown as u32).max(1);
         let engine = self.engine();
         Some(MeasuredTwin { subject, engine, numbers: values.numbers().to_vec(), passes, transform: self.picture.view })
     }
@@ -34,6 +33,11 @@ impl Workshop {
     /// The picture with a measured material, if one was made.
     pub fn measured_picture(&self) -> Option<&Picture> {
         self.measured.as_ref()
+    }
+
+    /// Forgets the picture with a measured material.
+    pub fn forget_measured_picture(&mut self) {
+        self.measured = None;
     }
 
     /// Keeps a picture with a measured material.

@@ -4,10 +4,9 @@ use crate::lang::diagnostic::Diagnostic;
 use crate::lang::display_text::one_line;
 use crate::measured::{MeasuredMaterial, kept};
 use crate::plot::ChartTheme;
-use crate::preview::app::comparison::{Compared, PaneMode};
 use crate::preview::app::file_dialogs::Suggestion;
 use crate::preview::app::instruments::sheet;
-use crate::preview::app::jobs::{JobResult, MeasuredPicture};
+use crate::preview::app::jobs::JobResult;
 use crate::preview::app::tab::TextTab;
 use crate::preview::app::{Action, App, InstrumentAction};
 use crate::user_data::settings::PanelSizes;
@@ -109,39 +108,6 @@ impl App {
                 let help: String = error.hints().iter().map(|hint| format!("\n{hint}")).collect();
                 self.dialogs.show_message("The measured material was not read", format!("{}{help}", error.message()));
             }
-        }
-    }
-
-    /// Makes the picture with a measured material on the body of the instruments, in the background.
-    pub(in crate::preview::app) fn compare_measured(&mut self, path: &Path) {
-        let Some(body) = self.instruments.body else { return };
-        let name = path.file_name().map(|name| one_line(&name.to_string_lossy())).unwrap_or_default();
-        let about = format!("{name} on {}", self.workshop.scene().body(body).name);
-        let made = measured_files::load(path).map_err(|error| error.message().to_owned());
-        let made = made.map(|number| self.workshop.measured_twin(body, (&path.to_string_lossy(), number)));
-        match made {
-            Ok(Some(twin)) => {
-                self.log.add(format!("making the picture with {about}"));
-                self.run_job(move || {
-                    let made = twin.picture().map(|picture| Box::new(MeasuredPicture { picture, about }));
-                    Some(JobResult::MeasuredPictureMade(made))
-                });
-            }
-            Ok(None) => {}
-            Err(error) => self.dialogs.show_message("There is no picture to compare", error),
-        }
-    }
-
-    /// Shows a picture with a measured material at the left, and the current one at the right.
-    pub(in crate::preview::app) fn take_measured_picture(&mut self, made: Result<Box<MeasuredPicture>, String>) {
-        match made {
-            Ok(made) => {
-                self.workshop.keep_measured_picture(made.picture);
-                self.pane.mode = PaneMode::Split([Compared::Measured, Compared::Now]);
-                let about = made.about;
-                self.confirm(format!("left: {about}, right: the formula; Compare > measured − now shows the difference"));
-            }
-            Err(error) => self.dialogs.show_message("There is no picture to compare", error),
         }
     }
 }

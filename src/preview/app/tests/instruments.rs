@@ -43,6 +43,14 @@ fn set_all(harness: &mut Harness<'_, App>, name: &str, value: f32) {
     bodies.into_iter().for_each(|body| workshop.set(body, id, [value; 3]));
 }
 
+/// Sets a colour of all lights.
+fn set_all_of_lights(harness: &mut Harness<'_, App>, name: &str, value: [f32; 3]) {
+    let workshop = &mut harness.state_mut().workshop;
+    let id = workshop.formula().parameter_named(name).expect("a parameter");
+    let lights: Vec<OwnerId> = workshop.scene().light_ids().map(OwnerId::Light).collect();
+    lights.into_iter().for_each(|light| workshop.set(light, id, value));
+}
+
 #[test]
 fn the_verdict_follows_a_value_and_leads_to_the_albedo() {
     let mut harness = instruments(LAMBERT);
@@ -313,8 +321,7 @@ fn a_measured_material_is_beside_the_formula_and_in_the_picture() {
     // The picture with the material is that of the formula, which has the same albedo.
     let now = settle(&mut harness);
     harness.state_mut().perform(Action::Instruments(InstrumentAction::Compare(path)));
-    harness.state_mut().jobs.wait();
-    harness.run_steps(2);
+    settle_measured(&mut harness);
     let [comparison::Compared::Measured, comparison::Compared::Now] = harness.state().pane.mode.pair().unwrap() else {
         panic!("{:?}", harness.state().pane.mode)
     };
@@ -328,6 +335,116 @@ fn a_measured_material_is_beside_the_formula_and_in_the_picture() {
     set_all(&mut harness, "part", 0.9);
     let brighter = settle(&mut harness);
     assert!(measured.iter().zip(&brighter).any(|pair| steps(pair) > 20));
+}
+
+/// Waits until the picture with a measured material is that of the values.
+fn settle_measured(harness: &mut Harness<'_, App>) {
+    for _ in 0..30_000 {
+        harness.step();
+        if harness.state().measured_is_settled() {
+            harness.run_steps(2);
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    panic!("no picture with the material came");
+}
+
+/// The largest difference of two pictures, in steps of a component.
+fn largest_difference(one: &[u32], other: &[u32]) -> u32 {
+    assert_eq!(one.len(), other.len());
+    let steps = |(one, other): (&u32, &u32)| [0, 8, 16].map(|shift| (one >> shift & 0xff).abs_diff(other >> shift & 0xff));
+    one.iter().zip(other).flat_map(steps).max().unwrap_or(0)
+}
+
+#[test]
+fn the_picture_with_a_measured_material_follows_what_is_changed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("matte.binary");
+    write_matte(&path, 0.5);
+    let mut harness = instruments(LAMBERT);
+    for (name, value) in [("part", 0.5), ("kr", 0.0), ("kt", 0.0)] {
+        set_all(&mut harness, name, value);
+    }
+    settle(&mut harness);
+    harness.state_mut().perform(Action::Instruments(InstrumentAction::Compare(path)));
+    settle_measured(&mut harness);
+    let twin = |harness: &Harness<'_, App>| harness.state().workshop.measured_picture().expect("a picture").clone();
+    let first = twin(&harness).pixels;
+    // The formula has the same albedo as the material, so both pictures are the same in whatever way they are changed.
+    let same = |harness: &mut Harness<'_, App>| {
+        let now = settle(harness);
+        settle_measured(harness);
+        assert!(largest_difference(&twin(harness).pixels, &now) <= 1);
+    };
+    same(&mut harness);
+    // Another colour of all lights.
+    set_all_of_lights(&mut harness, "IL", [0.9, 0.5, 0.1]);
+    same(&mut harness);
+    let coloured = twin(&harness).pixels;
+    assert!(largest_difference(&coloured, &first) > 20);
+    // Another camera.
+    let scene = &mut harness.state_mut().documents.scene;
+    let text = scene.text().to_owned();
+    let moved = text.replace("fov 29", "fov 40");
+    assert!(moved != text, "{text}");
+    scene.replace_text(&moved);
+    harness.state_mut().apply(TextTab::Scene);
+    same(&mut harness);
+    assert!(largest_difference(&twin(&harness).pixels, &coloured) > 20);
+    // Another size of the picture, and another exposure.
+    let mut settings = harness.state().workshop.settings();
+    (settings.size, settings.view.exposure) = ([40, 30], -1.0);
+    harness.state_mut().workshop.set_picture(settings).expect("a size in range");
+    same(&mut harness);
+    assert_eq!(twin(&harness).full_size, [40, 30]);
+    // Not in view, nothing is made.
+    let before = twin(&harness).version;
+    harness.state_mut().pane.mode = comparison::PaneMode::Current;
+    set_all(&mut harness, "part", 0.25);
+    settle(&mut harness);
+    harness.run_steps(5);
+    assert_eq!(twin(&harness).version, before);
+    // Another session ends it.
+    harness.state_mut().pane.mode = comparison::PaneMode::Split([comparison::Compared::Measured, comparison::Compared::Now]);
+    harness.state_mut().perform(Action::Open(FileKind::Session, Location::Preset("glass".to_owned())));
+    harness.run_steps(3);
+    harness.get_by_label("Discard").click();
+    harness.run_steps(3);
+    settle(&mut harness);
+    settle_measured(&mut harness);
+    assert!(harness.state().workshop.measured_picture().is_none());
+}
+
+#[test]
+fn a_held_slider_waits_for_no_measured_picture_and_a_body_that_goes_ends_the_comparison() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("matte.binary");
+    write_matte(&path, 0.5);
+    let mut harness = instruments(LAMBERT);
+    harness.state_mut().perform(Action::Instruments(InstrumentAction::Compare(path)));
+    settle_measured(&mut harness);
+    let version = |harness: &Harness<'_, App>| harness.state().workshop.measured_picture().map(|picture| picture.version);
+    let first = version(&harness);
+    assert!(first.is_some());
+    let workshop = &mut harness.state_mut().workshop;
+    let part = workshop.formula().parameter_named("part").expect("a parameter");
+    let body = workshop.scene().body_ids().next().expect("a body");
+    workshop.drag(OwnerId::Body(body), part, [0.125; 3]);
+    settle(&mut harness);
+    harness.run_steps(5);
+    assert_eq!(version(&harness), first);
+    harness.state_mut().workshop.release();
+    settle(&mut harness);
+    settle_measured(&mut harness);
+    assert!(version(&harness) > first);
+    let scene = "bodies; other: sphere, center <0,0,0>, radius 1; lights; light: point, <0,0,9>;
+        camera; position <0,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 40;";
+    harness.state_mut().documents.scene.replace_text(scene);
+    harness.state_mut().apply(TextTab::Scene);
+    settle(&mut harness);
+    settle_measured(&mut harness);
+    assert_eq!((version(&harness), harness.state().pane.mode), (None, comparison::PaneMode::Current));
 }
 
 #[test]
