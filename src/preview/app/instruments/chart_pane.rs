@@ -10,9 +10,8 @@ use egui::{Color32, CursorIcon, Label, Rect, Response, RichText, Sense, TextStyl
 
 /// The height of a line above the chart, in points.
 const LINE: f32 = 18.0;
-/// What is read out takes several lines above a chart of at least this height, in points.
-const HIGH: f32 = 240.0;
-/// The most of these lines.
+/// What is read out takes one line for this much of the height, in points, and at most this many.
+const HEIGHT_FOR_ROW: f32 = 110.0;
 const MOST_ROWS: usize = 4;
 
 impl InstrumentPanel {
@@ -64,7 +63,7 @@ impl InstrumentPanel {
             let font = TextStyle::Small.resolve(ui.style());
             let mut job = LayoutJob::simple(sheet.reading.line.clone(), font, ui.visuals().text_color(), ui.available_width());
             // A low chart needs the room itself.
-            job.wrap.max_rows = if ui.available_height() < HIGH { 1 } else { MOST_ROWS };
+            job.wrap.max_rows = ((ui.available_height() / HEIGHT_FOR_ROW) as usize).clamp(1, MOST_ROWS);
             let words = ui.painter().layout_job(job);
             ui.add(Label::new(words)).on_hover_text(&sheet.reading.details);
         }
