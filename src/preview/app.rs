@@ -287,7 +287,6 @@ impl App {
         let size = ui.ctx().content_rect().size() * self.scale;
         self.user_state.settings.window.size = [size.x, size.y].map(|side| side.round() as u32);
         self.take_news();
-        self.follow_measured();
         self.follow_files(ui);
         let typing = std::mem::take(&mut self.typing) || ui.ctx().text_edit_focused();
         // While a dialog waits for an answer, shortcuts do nothing.
@@ -388,6 +387,7 @@ impl App {
 
     /// Takes what the renderer and the background jobs have told since the last frame.
     fn take_news(&mut self) {
+        self.follow_measured();
         let events: Vec<_> = self.workshop.renderer().events().collect();
         for event in events {
             // Without a scene, the window says already why there is no picture.
