@@ -24,9 +24,9 @@ use illuminator::workspace::presets::{self, DEFAULT_SESSION};
 use illuminator::workspace::project::{Project, Request, SessionText};
 use illuminator::workspace::{FileKind, Location, NamedAssignment, OwnerId, Owners, Values};
 use std::ffi::{OsStr, OsString};
-use std::io::Read;
-use std::fs::OpenOptions;
 use std::fmt;
+use std::fs::OpenOptions;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

@@ -101,6 +101,8 @@ pub(super) struct InstrumentPanel {
     overlays_version: u64,
     /// Whether a slider is held, so that charts are drafts.
     is_moving: bool,
+    /// Whether a lobe is turned with the mouse.
+    is_turning: bool,
     /// Whether the formula reads coordinates of the surface.
     reads_coordinates: bool,
     sheets: LatestWorker<SheetRequest, DrawnChart>,
@@ -137,6 +139,7 @@ impl InstrumentPanel {
             overlays: Overlays::default(),
             overlays_version: 0,
             is_moving: false,
+            is_turning: false,
             reads_coordinates: false,
             sheets: LatestWorker::new(|request| DrawnChart::new(&request), move || wake()),
             asked: None,
@@ -396,7 +399,7 @@ impl InstrumentPanel {
 
     /// What the present chart shows, and how.
     fn settings(&self) -> ViewSettings {
-        ViewSettings { is_draft: self.is_moving, ..self.controls.settings() }
+        ViewSettings { is_draft: self.is_moving || self.is_turning, ..self.controls.settings() }
     }
 
     /// What the present chart is asked for.

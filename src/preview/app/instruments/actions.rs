@@ -65,6 +65,7 @@ impl App {
         let name = self.formula_name();
         self.instruments.follow(&self.workshop, selected, &name);
         let mut request = self.instruments.request([0, 0], 1.0, ChartTheme::Light);
+        request.settings.is_draft = false;
         if let Some(subject) = &self.instruments.subject {
             request.settings.subtitle = format!("{name} of {}", subject.about);
         }

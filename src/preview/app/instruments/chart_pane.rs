@@ -1,8 +1,8 @@
 //! The pane of the chart: its heading, the chart as it was made last, and what is read out of it.
 
 use crate::instrument::view::LightUse;
-use crate::plot::{CartesianChart, Chart, ChartAxis, ChartTheme, MapChart, MapPixel, PolarChart};
-use crate::preview::app::instruments::plots::{self, colour_text, number_text, plain};
+use crate::plot::{CartesianChart, Chart, ChartAxis, ChartTheme, MapChart, MapPixel, PolarChart, plain};
+use crate::preview::app::instruments::plots::{self, colour_text, number_text};
 use crate::preview::app::instruments::sheet::DrawnChart;
 use crate::preview::app::instruments::{InstrumentPanel, SheetKey};
 use egui::text::LayoutJob;
@@ -103,7 +103,8 @@ impl InstrumentPanel {
             }
             (Chart::Lobe(_), Some(texture)) => {
                 let response = picture_ui(ui, texture);
-                if response.dragged() {
+                self.is_turning = response.dragged();
+                if self.is_turning {
                     self.controls.turn(response.drag_delta().into());
                     ui.ctx().request_repaint();
                 }
@@ -133,7 +134,7 @@ fn words_at(chart: &MapChart, size: [u32; 2], at: egui::Vec2) -> Option<String> 
     // Colours are π times the BRDF, so that 1 is a matte white.
     let number = match reading.pixel {
         MapPixel::Number(number) => format!("{} {}", plain(&chart.bar.title), number_text(number)),
-        MapPixel::Colour(colour) => format!("π · {} {}", plain(&chart.bar.title), colour_text(colour.map(f64::from))),
+        MapPixel::Colour(colour) => format!("{} {}", plain(&chart.bar.title), colour_text(colour.map(f64::from))),
     };
     let lines = [name.clone(), line(x, across), line(y, upwards), number];
     Some(lines.into_iter().filter(|line| !line.is_empty()).collect::<Vec<_>>().join("\n"))
@@ -162,7 +163,7 @@ mod tests {
         let numbers = map(MapValues::Numbers(vec![0.25]));
         assert_eq!(said(&numbers).unwrap(), "matte\nhalf angle 45.0°\ndifference angle 45.0°\nBRDF 0.25");
         let colours = map(MapValues::Colours(vec![[0.5, 0.25, 0.125]]));
-        assert!(said(&colours).unwrap().ends_with("\nπ · BRDF (0.5, 0.25, 0.125)"));
+        assert!(said(&colours).unwrap().ends_with("\nBRDF (0.5, 0.25, 0.125)"));
         assert_eq!(words_at(&numbers, [400, 300], vec2(1.0, 1.0)), None);
         // A ball has no angles to tell.
         assert_eq!(said(&MapChart { axes: None, ..numbers }), None);

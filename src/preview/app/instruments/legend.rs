@@ -1,7 +1,7 @@
 //! The legend of the curves of a chart: beside or above it, never over the curves.
 
-use crate::plot::{ChartTheme, Curve, Dashes};
-use crate::preview::app::instruments::plots::{colour_of, plain};
+use crate::plot::{ChartTheme, Curve, Dashes, plain};
+use crate::preview::app::instruments::plots::colour_of;
 use egui::{Align2, Rect, ScrollArea, Sense, Shape, Stroke, TextStyle, Ui, UiBuilder, pos2, vec2};
 use std::collections::BTreeSet;
 

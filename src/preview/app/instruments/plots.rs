@@ -1,7 +1,7 @@
 //! Curves in the window: over two axes, and over an angle in a half disc. They can be zoomed, and tell their numbers
 //! under the pointer. The colours are those of saved charts.
 
-use crate::plot::{CartesianChart, ChartAxis, ChartTheme, Curve, Dashes, PolarChart};
+use crate::plot::{CartesianChart, ChartAxis, ChartTheme, Curve, Dashes, PolarChart, plain};
 use egui::{Align2, Color32, Rangef, RichText, Ui};
 use egui_plot::{AxisHints, GridMark, HLine, HoverPosition, Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotUi, Text, VLine};
 
@@ -66,12 +66,6 @@ pub(super) fn number_text(number: f64) -> String {
 pub(super) fn colour_text(colour: [f64; 3]) -> String {
     let [red, green, blue] = colour.map(number_text);
     if red == green && green == blue { red } else { format!("({red}, {green}, {blue})") }
-}
-
-/// A text of a chart without its small low letters, which widgets do not have.
-pub(super) fn plain(text: &str) -> String {
-    let letters = text.chars().filter(|letter| *letter != '\u{e001}');
-    letters.collect()
 }
 
 pub(super) fn colour_of([red, green, blue]: [u8; 3]) -> Color32 {
