@@ -91,4 +91,8 @@ impl Reflectance for HeldFormula {
         let (colours, _) = numbers.as_chunks::<3>();
         colours.to_vec()
     }
+
+    fn exact_values(&self, pairs: &[DirectionPair]) -> Option<Vec<[f64; 3]>> {
+        Some(self.compiled.program().run_exactly(pairs, &self.place, &self.numbers))
+    }
 }

@@ -2,8 +2,8 @@
 //! for pairs of directions.
 //!
 //! [`model`] evaluates a formula, and its derivatives, for many pairs of directions at once. [`hemisphere`] integrates,
-//! [`survey`] looks at pairs all over, [`search`] finds the greatest share, and [`measurement`] says what there is to
-//! say about a model. [`view`] makes charts of it. Files are not known here.
+//! `rounding` judges single precision, [`survey`] looks at pairs all over, [`search`] finds the greatest share, and
+//! [`measurement`] says what there is to say about a model. [`view`] makes charts of it. Files are not known here.
 
 pub mod albedo;
 pub mod direction;
@@ -17,6 +17,7 @@ pub mod measurement;
 pub mod model;
 mod peaks;
 pub mod reciprocity;
+mod rounding;
 pub mod search;
 pub mod survey;
 #[cfg(feature = "plot")]
@@ -44,6 +45,12 @@ pub trait Reflectance: Send + Sync {
     /// For each pair of directions π · f · cos θ in linear RGB, where f is the BRDF in 1/sr and θ the angle between
     /// normal and light. This is the value of a formula for white light of intensity 1 (IL = ki = 1).
     fn values(&self, pairs: &[DirectionPair]) -> Vec<[f32; 3]>;
+
+    /// The same in double precision, for the directions made exactly as long as 1. It takes microseconds for each pair,
+    /// and judges what rounding does to the values. None if the model knows no other precision.
+    fn exact_values(&self, _pairs: &[DirectionPair]) -> Option<Vec<[f64; 3]>> {
+        None
+    }
 }
 
 #[cfg(test)]

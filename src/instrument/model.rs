@@ -10,7 +10,7 @@ use crate::formula::graph::{Graph, Node, NodeId};
 use crate::formula::{Formula, ParameterId, Term, TermId};
 use crate::instrument::{DirectionPair, Reflectance};
 use crate::jit::{Kernel, Line, Splat, Width, compile_stage};
-use crate::lang::scalars::flush;
+use crate::lang::scalars::{Doubles, flush};
 use crate::lang::variables::{Predefined, Variable};
 use crate::plan::{Domain, KernelPlan, Sink};
 use glam::{DMat3, DVec3, Vec3};
@@ -157,29 +157,63 @@ impl ModelProgram {
         let block = |pairs: &[DirectionPair]| {
             let mut block = vec![Line::default(); self.whole(pairs.len()) * columns];
             for (index, pair) in pairs.iter().enumerate() {
-                let directions = [pair.light, pair.view].map(|direction| place.frame * Vec3::from(direction).as_dvec3());
-                let own = [
-                    (Variable::ToLight, directions[0]),
-                    (Variable::ToViewer, directions[1]),
-                    (Variable::Normal, place.frame.z_axis),
-                    (Variable::Tangent, place.frame.x_axis),
-                    (Variable::Bitangent, place.frame.y_axis),
-                ];
-                let given = |variable: Variable| {
-                    own.iter().chain(&place.given).find(|(known, _)| *known == variable).map(|(_, value)| *value)
-                };
+                let directions = [pair.light, pair.view].map(|direction| Vec3::from(direction).as_dvec3());
                 let (line, lane) = (index / Line::RECORDS, index % Line::RECORDS);
-                let mut last: Option<(Variable, DVec3)> = None;
-                for (column, (_, variable, component)) in self.variables.iter().enumerate() {
-                    let known = last.filter(|(known, _)| known == variable).map(|(_, value)| value);
-                    let value = known.or_else(|| variable_at_point(*variable, &given)).unwrap_or_default();
-                    last = Some((*variable, value));
-                    block[line * columns + column].0[lane] = flush(value[*component] as f32);
-                }
+                self.read(directions, place, |column, value| {
+                    block[line * columns + column].0[lane] = flush(value as f32);
+                });
             }
             block
         };
         PreparedPairs { pairs: pairs.len(), blocks: pairs.par_chunks(BLOCK).map(block).collect() }
+    }
+
+    /// Computes what the program reads of a light and a viewer: the number of each column, and its value.
+    fn read(&self, directions: [DVec3; 2], place: &Place, mut put: impl FnMut(usize, f64)) {
+        let directions = directions.map(|direction| place.frame * direction);
+        let own = [
+            (Variable::ToLight, directions[0]),
+            (Variable::ToViewer, directions[1]),
+            (Variable::Normal, place.frame.z_axis),
+            (Variable::Tangent, place.frame.x_axis),
+            (Variable::Bitangent, place.frame.y_axis),
+        ];
+        let given =
+            |variable: Variable| own.iter().chain(&place.given).find(|(known, _)| *known == variable).map(|(_, value)| *value);
+        let mut last: Option<(Variable, DVec3)> = None;
+        for (column, (_, variable, component)) in self.variables.iter().enumerate() {
+            let known = last.filter(|(known, _)| known == variable).map(|(_, value)| value);
+            let value = known.or_else(|| variable_at_point(*variable, &given)).unwrap_or_default();
+            last = Some((*variable, value));
+            put(column, value[*component]);
+        }
+    }
+
+    /// The first three outputs of each pair in double precision, see [`Reflectance::exact_values`].
+    pub fn run_exactly(&self, pairs: &[DirectionPair], place: &Place, numbers: &[[f32; 3]]) -> Vec<[f64; 3]> {
+        let of_pair = |pair: &DirectionPair| {
+            let directions = [pair.light, pair.view].map(|direction| Vec3::from(direction).as_dvec3().normalize_or_zero());
+            let mut columns = vec![0.0; self.variables.len()];
+            self.read(directions, place, |column, value| columns[column] = value);
+            let leaf = |id: NodeId| match self.variables.binary_search_by_key(&id, |(known, ..)| *known) {
+                Ok(column) => columns[column],
+                Err(_) => f64::from(self.parameter(id, numbers)),
+            };
+            let outputs = self.graph.evaluate_with(&mut Doubles, &self.outputs, leaf);
+            std::array::from_fn(|component| outputs.get(component).copied().unwrap_or(0.0))
+        };
+        pairs.iter().map(of_pair).collect()
+    }
+
+    /// The value of a parameter; IL is white.
+    fn parameter(&self, id: NodeId, numbers: &[[f32; 3]]) -> f32 {
+        match self.graph.node(id) {
+            Node::Parameter(parameter, _) if parameter == self.colour_of_light => 1.0,
+            Node::Parameter(parameter, component) => {
+                flush(numbers.get(parameter.0 as usize).map_or(0.0, |value| value[usize::from(component)]))
+            }
+            Node::Constant(_) | Node::Variable(..) | Node::Apply(..) => 0.0,
+        }
     }
 
     /// The outputs of each pair, with these values of parameters; IL is white. Record after record.
@@ -187,13 +221,7 @@ impl ModelProgram {
     /// # Panics
     /// The pairs were prepared by a program that reads other variables.
     pub fn run(&self, prepared: &PreparedPairs, numbers: &[[f32; 3]]) -> Vec<f32> {
-        let parameter = |id: NodeId| match self.graph.node(id) {
-            Node::Parameter(parameter, _) if parameter == self.colour_of_light => 1.0,
-            Node::Parameter(parameter, component) => {
-                flush(numbers.get(parameter.0 as usize).map_or(0.0, |value| value[usize::from(component)]))
-            }
-            Node::Constant(_) | Node::Variable(..) | Node::Apply(..) => 0.0,
-        };
+        let parameter = |id: NodeId| self.parameter(id, numbers);
         let uniforms: Vec<Splat> = self.graph.evaluate(&self.uniforms, parameter).into_iter().map(Splat::new).collect();
         let width = self.outputs.len();
         let mut result = vec![0.0; prepared.pairs * width];
@@ -258,6 +286,10 @@ impl Reflectance for FormulaModel {
         let numbers = self.program.run(&self.program.prepare(pairs, &self.place), &self.numbers);
         let (colours, _) = numbers.as_chunks::<3>();
         colours.to_vec()
+    }
+
+    fn exact_values(&self, pairs: &[DirectionPair]) -> Option<Vec<[f64; 3]>> {
+        Some(self.program.run_exactly(pairs, &self.place, &self.numbers))
     }
 }
 
@@ -325,6 +357,19 @@ mod tests {
         // Red is p · Cd · alpha under white light, and its derivative Cd · alpha.
         let alpha = pairs[4].light[2].acos();
         assert!((other[24] - 1.6 * alpha).abs() < 1e-6 && (other[27] - 0.8 * alpha).abs() < 1e-6);
+    }
+
+    #[test]
+    fn double_precision_keeps_the_digits_of_differences() {
+        let (formula, _) = Formula::parse(&Source::new("test", "formula; = IL*<1 - N.L*N.L>;")).unwrap();
+        let model = FormulaModel::new(Arc::new(ModelProgram::new(&formula)), default_numbers(&formula), Place::default());
+        let pair = DirectionPair { light: direction(1e-3, 0.3), view: direction(0.5, 0.0) };
+        // sin² 0.001, as far as directions in single precision have that angle.
+        let wanted = 1e-3_f64.sin().powi(2);
+        let exact = model.exact_values(&[pair]).unwrap()[0][0];
+        assert!((exact / wanted - 1.0).abs() < 1e-4, "{exact}");
+        let single = f64::from(model.values(&[pair])[0][0]);
+        assert!((single / wanted - 1.0).abs() > 1e-3, "{single}");
     }
 
     #[test]
