@@ -1,6 +1,6 @@
 //! What there is to say about a model: how much it reflects, whether it is reciprocal, and where its values are odd.
 
-use crate::instrument::albedo::{EQUAL, GreatestAlbedo, albedos};
+use crate::instrument::albedo::{EQUAL, GreatestAlbedo, SharePlace, shares_at};
 use crate::instrument::hemisphere::Integration;
 use crate::instrument::reciprocity::ReciprocityError;
 use crate::instrument::search::greatest;
@@ -52,6 +52,8 @@ pub enum EnergyVerdict {
     Conserves,
     /// There is no finite value.
     Unknown,
+    /// The greatest share may be above 1 or not: its error reaches across 1.
+    Uncertain,
     /// More light leaves than comes.
     DoesNot(GreatestAlbedo),
 }
@@ -60,26 +62,28 @@ impl ModelMeasurement {
     /// Measures a model.
     pub fn of(model: &dyn Reflectance) -> Self {
         let survey = ModelSurvey::of(model);
-        let beam = greatest(model, Integration::OverViews, &survey);
+        let told = |azimuth: f64| {
+            let angles = TOLD_ANGLES.map(|polar| [polar, azimuth]);
+            [Integration::OverViews, Integration::OverLights].map(|over| shares_at(model, over, &angles))
+        };
+        let mut tables = vec![told(0.0)];
+        let beam = greatest(model, Integration::OverViews, &survey, &tables[0][0]);
         // Both are the same integral if the model is reciprocal.
         let is_reciprocal = survey.reciprocity.is_some_and(|worst| worst.error < EQUAL);
-        let furnace = if is_reciprocal { beam } else { greatest(model, Integration::OverLights, &survey) };
+        let furnace = if is_reciprocal { beam } else { greatest(model, Integration::OverLights, &survey, &tables[0][1]) };
         let worst = Some(beam.angles[1]).filter(|azimuth| survey.depends_on_azimuth && *azimuth > 0.5);
-        let azimuths = std::iter::once(0.0).chain(worst);
-        let angles: Vec<[f64; 2]> = azimuths.flat_map(|azimuth| TOLD_ANGLES.map(|polar| [polar, azimuth])).collect();
-        let beams = albedos(model, Integration::OverViews, &angles);
-        let furnaces = albedos(model, Integration::OverLights, &angles);
-        let in_integrals = || beams.iter().chain(&furnaces).find_map(|integral| integral.not_finite);
+        tables.extend(worst.map(told));
+        // No row has more than what is called the greatest share.
+        let [beam, furnace] = match tables.get(1) {
+            Some([beams, _]) if is_reciprocal => [beam.raised(beams); 2],
+            Some([beams, furnaces]) => [beam.raised(beams), furnace.raised(furnaces)],
+            None => [beam, furnace],
+        };
+        let in_integrals = || tables.iter().flatten().flatten().find_map(|place| place.integral.not_finite);
         let not_finite = survey.not_finite.or_else(in_integrals);
-        let rows = angles.iter().zip(beams.iter().zip(&furnaces)).map(|([polar, azimuth], (beam, furnace))| AlbedoRow {
-            polar: *polar,
-            azimuth: *azimuth,
-            beam: beam.value,
-            furnace: furnace.value,
-            error: beam.error.max(furnace.error),
-        });
+        let rows = tables.iter().flat_map(|[beams, furnaces]| beams.iter().zip(furnaces).map(row)).collect();
         let ModelSurvey { depends_on_azimuth, reciprocity, least, .. } = survey;
-        Self { rows: rows.collect(), beam, furnace, depends_on_azimuth, reciprocity, least, not_finite }
+        Self { rows, beam, furnace, depends_on_azimuth, reciprocity, least, not_finite }
     }
 
     /// Whether the model is reciprocal, as far as rounding lets it be told.
@@ -92,7 +96,19 @@ impl ModelMeasurement {
         match (self.least, self.beam.above_one) {
             (None, _) => EnergyVerdict::Unknown,
             (_, Some(_)) => EnergyVerdict::DoesNot(self.beam),
+            (_, None) if self.beam.is_uncertain() => EnergyVerdict::Uncertain,
             (_, None) => EnergyVerdict::Conserves,
         }
+    }
+}
+
+/// A row of the table, from the shares of a beam and in a furnace.
+fn row((beam, furnace): (&SharePlace, &SharePlace)) -> AlbedoRow {
+    AlbedoRow {
+        polar: beam.angles[0],
+        azimuth: beam.angles[1],
+        beam: beam.integral.value,
+        furnace: furnace.integral.value,
+        error: beam.integral.error.max(furnace.integral.error),
     }
 }

@@ -12,7 +12,7 @@ use crate::instrument::reciprocity::ReciprocityError;
 use crate::instrument::{DirectionPair, Reflectance};
 use crate::sampling::EvenSequence;
 use glam::{DQuat, DVec3, Vec3};
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// How many pairs are spread over the hemispheres.
 const PAIRS: u32 = 65_536;
@@ -30,6 +30,8 @@ const MOST_PEAKS: usize = 12;
 pub struct ModelSurvey {
     /// Whether values change when both directions turn about the normal.
     pub depends_on_azimuth: bool,
+    /// Whether values change when both directions make half a turn about the normal.
+    pub differs_after_half_turn: bool,
     /// Where the model is least reciprocal; none if it has no finite values.
     pub reciprocity: Option<ReciprocityError>,
     /// The smallest value, π · f · cos θ, of a component, and where it is; none if there is no finite value.
@@ -63,7 +65,14 @@ impl ModelSurvey {
             let sized = all_pairs().zip(all_values()).map(|(pair, value)| (*pair, weight(over, pair, value)));
             climbed(model, over, largest(over, sized.filter(|(_, size)| *size > 0.0).collect()))
         });
-        Self { depends_on_azimuth: by_azimuth.is_some_and(|found| found.error > EQUAL), reciprocity, least, not_finite, peaks }
+        let depends_on_azimuth = by_azimuth.is_some_and(|found| found.error > EQUAL);
+        let differs_after_half_turn = depends_on_azimuth && {
+            let half: Vec<DirectionPair> = pairs.iter().map(|pair| turned(pair, PI)).collect();
+            let turns = |pair: &DirectionPair, _: usize| turned(pair, PI);
+            let found = largest_difference(model, [&pairs, &half], [&values, &model.values(&half)], &turns);
+            found.is_some_and(|found| found.error > EQUAL)
+        };
+        Self { depends_on_azimuth, differs_after_half_turn, reciprocity, least, not_finite, peaks }
     }
 
     /// Pairs of directions where the model is largest, for one of both integrals.

@@ -203,7 +203,7 @@ fn models_that_depend_on_the_azimuth_are_known() {
     assert!(ModelSurvey::of(&brushed).depends_on_azimuth);
     let stripes =
         ClosedForm(|light: DVec3, _| if light.z < 0.99 { 0.5 + (light.y / light.x).atan().cos().powi(2) } else { 0.0 } / PI);
-    let found = greatest(&stripes, Integration::OverViews, &ModelSurvey::of(&stripes));
+    let found = greatest(&stripes, Integration::OverViews, &ModelSurvey::of(&stripes), &[]);
     assert!((found.share - 1.5).abs() < 1e-3 && found.angles[1] % 180.0 < 2.0, "{found:?}");
 }
 

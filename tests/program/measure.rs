@@ -229,3 +229,95 @@ fn narrow_features_are_found() {
     let found = measured(folder.path(), "gap.formula");
     near(&found["not_finite"]["view"][0], 0.6015_f64.acos().to_degrees(), 0.04);
 }
+
+/// The greatest share of a beam, and its error.
+fn greatest(found: &Value) -> [f64; 2] {
+    ["share", "error"].map(|name| found["greatest_albedo"][name].as_f64().expect("a number"))
+}
+
+#[test]
+fn the_verdict_is_never_below_a_row_of_the_table() {
+    let folder = folder();
+    for (exponent, allowed) in [(1e5, 0.02), (2e6, 0.3)] {
+        let text = format!("formula; c = max(R.V, 0); = IL*<0.3 + {exponent}*c^{exponent}>*max(0, N.L);");
+        write(&folder, "needle.formula", &text);
+        let found = measured(folder.path(), "needle.formula");
+        assert_eq!((&found["conserves_energy"], &found["energy"]), (&false.into(), &"not conserved".into()));
+        let [share, error] = greatest(&found);
+        let rows = found["albedo"].as_array().expect("rows");
+        let of_rows = rows.iter().filter_map(|row| row["beam"][0].as_f64()).fold(0.0, f64::max);
+        assert!(share >= of_rows, "{share} {of_rows}");
+        // 0.3, and n/π ∫ cosⁿ N.V dω = 2 cos θ n/(n + 2), which is greatest at the normal.
+        assert!((share - 2.3).abs() <= error + 2e-4 && error < allowed, "{exponent}: {share} ± {error}");
+        let to = found["greatest_albedo"]["above_one_to"].as_f64().expect("an angle");
+        // 0.35 = cos θ, less if the error is large.
+        assert!(to < 0.35_f64.acos().to_degrees() + 0.5 && to > 60.0, "{to}");
+    }
+}
+
+#[test]
+fn streaks_are_found_at_their_azimuth() {
+    let folder = folder();
+    // Ashikhmin and Shirley (2000), with exponents of 10 and 10,000 and both colours 0.5.
+    let ashikhmin = |factor: f64| {
+        format!(
+            "formula; nl = max(N.L, 0); nv = max(N.V, 0); nh = max(N.H, 1e-6); hk = max(L.H, 1e-6);
+            e = (10*(H.T)^2 + 10000*(H.B)^2)/max(1 - nh*nh, 1e-12);
+            s = sqrt(11*10001)/(8*pi)*nh^e/(hk*max(nl, nv))*(0.5 + 0.5*(1 - hk)^5);
+            d = 7/(23*pi)*(1 - (1 - nl/2)^5)*(1 - (1 - nv/2)^5);
+            = if(nl > 0 && nv > 0, <{factor}*pi*(s + d)*nl>, <0>)*IL;"
+        )
+    };
+    // By Gauss rules graded towards the lobe, in NumPy: 0.69849 at 85°, 0.69944 at 85.5°, 0.69876 at 86°, azimuth 90°.
+    for (factor, conserves) in [(1.0, true), (1.47, false)] {
+        write(&folder, "streak.formula", &ashikhmin(factor));
+        let found = measured(folder.path(), "streak.formula");
+        near(&found["greatest_albedo"]["share"], factor * 0.69944, 1e-3);
+        near(&found["greatest_albedo"]["theta"], 85.5, 0.5);
+        near(&found["greatest_albedo"]["phi"], 90.0, 3.0);
+        assert_eq!(found["conserves_energy"], conserves);
+    }
+    // Ward (1992) with roughnesses of 0.01 and 1. By integration over slopes, in NumPy: 7.4113 at 89.99° and azimuth 90°,
+    // 7.369 at azimuth 85°.
+    let ward = "formula; nl = max(N.L, 0); nv = max(N.V, 0); nh = max(N.H, 1e-6); t = H.T/0.01; b = H.B;
+        = if(nl > 0 && nv > 0, <exp(-(t*t + b*b)/(nh*nh))/(4*0.01*sqrt(nl*nv))*nl>, <0>)*IL;";
+    write(&folder, "ward.formula", ward);
+    let found = measured(folder.path(), "ward.formula");
+    near(&found["greatest_albedo"]["share"], 7.4113, 3e-3);
+    near(&found["greatest_albedo"]["phi"].as_f64().map(|phi| phi % 180.0).into(), 90.0, 2.0);
+    assert_eq!(found["greatest_albedo"]["at_last_angle"], true);
+}
+
+#[test]
+fn rounding_is_part_of_the_error() {
+    let folder = folder();
+    // GGX that reflects everything. By integration over slopes in double precision: 1.0000 at the normal, where no share
+    // is greater; 0.99957 at 89° with a roughness of 0.0005. The difference in d has few digits in single precision.
+    let ggx = |roughness: f64| {
+        format!(
+            "body_specific; al: scalar, default {roughness}; formula; nl = max(N.L, 0); nv = max(N.V, 0); nh = max(N.H, 0);
+            a2 = al*al; d = nh*nh*(a2 - 1) + 1; lam(x) = (sqrt(1 + a2*(1 - x*x)/(x*x)) - 1)/2;
+            = if(nl > 0 && nv > 0, <a2/(d*d)/(1 + lam(nl) + lam(nv))/(4*nv)>, <0>)*IL;"
+        )
+    };
+    for roughness in [0.005, 0.0005] {
+        write(&folder, "ggx.formula", &ggx(roughness));
+        let found = measured(folder.path(), "ggx.formula");
+        assert_ne!(found["conserves_energy"], false);
+        let [share, error] = greatest(&found);
+        assert!(share - error <= 1.0005, "{roughness}: {share} ± {error}");
+        for row in found["albedo"].as_array().expect("rows").iter().take(7) {
+            let [share, error] = [&row["beam"][0], &row["error"]].map(|number| number.as_f64().expect("a number"));
+            assert!((share - 1.0).abs() <= error + 2e-4, "{roughness}: {row}");
+        }
+    }
+    let found = measured(folder.path(), "ggx.formula");
+    assert_eq!((&found["conserves_energy"], &found["energy"]), (&Value::Null, &"cannot be told".into()));
+    let said = told(folder.path(), "measure ggx.formula");
+    assert!(said.contains("energy        CANNOT BE TOLD: about 1.") && said.contains(" ± 0."), "{said}");
+    // Disney's highlight at its narrowest, along the surface. By integration over slopes in double precision.
+    let found = measured(folder.path(), "--formula preset:disney --set roughness=0 --set metallic=1 --set Cd=<1,1,1>");
+    for (row, wanted) in [(0, 1.0), (3, 0.98971), (6, 0.91596), (8, 0.53472), (9, 0.24668), (10, 0.01733)] {
+        near(&found["albedo"][row]["beam"][0], wanted, 5e-4);
+    }
+}

@@ -16,8 +16,10 @@ pub(super) const COMPONENTS: [&str; 3] = ["red", "green", "blue"];
 pub(super) struct MeasurementReport {
     /// The model.
     pub(super) model: String,
-    /// Whether at most all of any beam of light is reflected; null if there is no finite value.
+    /// Whether at most all of any beam of light is reflected; null if that cannot be told.
     pub(super) conserves_energy: Option<bool>,
+    /// The same in words: `conserved`, `not conserved`, `cannot be told` or `no finite value`.
+    pub(super) energy: &'static str,
     /// The greatest share of a beam that is reflected.
     pub(super) greatest_albedo: GreatestReport,
     /// The most that a viewer sees in a white furnace.
@@ -91,6 +93,10 @@ pub(super) struct GreatestReport {
     /// The angles from which and to which it is above 1; null if it is not.
     pub(super) above_one_from: Option<f64>,
     pub(super) above_one_to: Option<f64>,
+    /// Whether the error reaches across 1, so that it cannot be told whether it is above 1.
+    pub(super) is_uncertain: bool,
+    /// Whether it is at the greatest angle that is looked at, so it may be greater beyond.
+    pub(super) at_last_angle: bool,
 }
 
 /// The shares of the light for one angle.
@@ -164,6 +170,8 @@ impl GreatestReport {
             phi: angle(phi),
             above_one_from: greatest.above_one.map(|[from, _]| angle(from)),
             above_one_to: greatest.above_one.map(|[_, to]| angle(to)),
+            is_uncertain: greatest.is_uncertain(),
+            at_last_angle: greatest.is_at_end(),
         }
     }
 }
@@ -182,6 +190,12 @@ impl MeasurementReport {
         (expressions, pairs): (&[ExpressionRange], usize),
         ranges: Option<RangeFindings>,
     ) -> Self {
+        let (conserves_energy, energy) = match measured.verdict() {
+            EnergyVerdict::Conserves => (Some(true), "conserved"),
+            EnergyVerdict::DoesNot(_) => (Some(false), "not conserved"),
+            EnergyVerdict::Uncertain => (None, "cannot be told"),
+            EnergyVerdict::Unknown => (None, "no finite value"),
+        };
         let rows = measured.rows.iter().map(|row| AlbedoReport {
             theta: row.polar,
             phi: angle(row.azimuth),
@@ -200,7 +214,8 @@ impl MeasurementReport {
         };
         Self {
             model: model.to_owned(),
-            conserves_energy: measured.least.map(|_| measured.verdict() == EnergyVerdict::Conserves),
+            conserves_energy,
+            energy,
             greatest_albedo: GreatestReport::new(&measured.beam),
             greatest_in_furnace: GreatestReport::new(&measured.furnace),
             albedo: rows.collect(),

@@ -3,9 +3,10 @@
 use crate::cli::model::ValuedFormula;
 use illuminator::formula::{Parameter, ParameterId, Term};
 use illuminator::instrument::Reflectance;
-use illuminator::instrument::albedo::{GreatestAlbedo, greatest_component};
+use illuminator::instrument::albedo::{GreatestAlbedo, greatest_component, shares_at};
 use illuminator::instrument::expressions::spread_pairs;
 use illuminator::instrument::hemisphere::{Integration, integrate};
+use illuminator::instrument::measurement::TOLD_ANGLES;
 use illuminator::instrument::search::greatest;
 use illuminator::instrument::survey::{ModelSurvey, depends_on_azimuth};
 use illuminator::lang::types::Type;
@@ -130,7 +131,8 @@ pub(super) fn over_ranges(valued: &ValuedFormula) -> RangeFindings {
     let least = tried.iter().min_by(|one, other| one.smallest.total_cmp(&other.smallest));
     let greatest = worst.map(|worst| {
         let model = valued.model(&worst.values);
-        (greatest(&model, Integration::OverViews, &ModelSurvey::of(&model)), said(worst))
+        let known = shares_at(&model, Integration::OverViews, &TOLD_ANGLES.map(|polar| [polar, 0.0]));
+        (greatest(&model, Integration::OverViews, &ModelSurvey::of(&model), &known), said(worst))
     });
     RangeFindings {
         moved: moved.iter().map(|(_, id)| valued.formula.parameter(*id).name.clone()).collect(),

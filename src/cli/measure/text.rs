@@ -10,6 +10,8 @@ use std::fmt::Write;
 const NAME_WIDTH: usize = 14;
 /// A share that may be more wrong than this, or this part of it, is told with its error.
 const LARGE_ERROR: f64 = 2e-3;
+/// What the smallest value is of.
+const VALUE: &str = "(the formula's value, π · BRDF · cos θ)";
 /// The most characters of the name of an expression.
 const LONGEST_NAME: usize = 24;
 
@@ -21,7 +23,7 @@ pub(super) fn table(report: &MeasurementReport) -> String {
         let _ = writeln!(text, "{name:<NAME_WIDTH$}{said}");
     };
     fact("energy", verdict(report));
-    if !report.is_reciprocal && report.conserves_energy.is_some() {
+    if !report.is_reciprocal && report.smallest.is_some() {
         fact("furnace", furnace(report));
     }
     fact("reciprocity", reciprocity(report));
@@ -29,8 +31,10 @@ pub(super) fn table(report: &MeasurementReport) -> String {
     fact(
         "smallest",
         match &report.smallest {
-            Some(smallest) if smallest.value < 0.0 => format!("NEGATIVE: {} at {}", number(smallest.value), place(&smallest.at)),
-            Some(smallest) => format!("{}, never negative", number(smallest.value)),
+            Some(smallest) if smallest.value < 0.0 => {
+                format!("NEGATIVE: {} {VALUE} at {}", number(smallest.value), place(&smallest.at))
+            }
+            Some(smallest) => format!("{} {VALUE}, never negative", number(smallest.value)),
             None => "no finite value".to_owned(),
         },
     );
@@ -74,14 +78,18 @@ fn percent(share: f64) -> String {
 fn verdict(report: &MeasurementReport) -> String {
     let greatest = &report.greatest_albedo;
     let (share, at) = (share_of(greatest), of_greatest(greatest, report.depends_on_azimuth, report.is_grey()));
-    let said = match (report.conserves_energy, above_one(greatest)) {
-        (None, _) => return "unknown: there is no finite value".to_owned(),
-        (_, None) => {
+    let said = match (report.smallest.is_some(), above_one(greatest)) {
+        (false, _) => return "unknown: there is no finite value".to_owned(),
+        (true, None) if greatest.is_uncertain => {
+            let share = format!("{} ± {}", portion(greatest.share, 3), portion(greatest.error, 3));
+            format!("CANNOT BE TOLD: about {share} of a beam of light is reflected ({at})")
+        }
+        (true, None) => {
             // Shares that are this near to 1 count as 1.
             let within = if greatest.share > 1.0 { " within 0.1 %" } else { "" };
             format!("conserved{within}: {} {share} of a beam of light is reflected ({at})", at_most(greatest))
         }
-        (_, Some(above)) => format!("NOT conserved: {share} of the light at {at}; {above}"),
+        (true, Some(above)) => format!("NOT conserved: {share} of the light at {at}; {above}"),
     };
     if report.not_finite.is_some() { format!("where values are finite, {said}") } else { said }
 }
@@ -121,9 +129,12 @@ fn furnace(report: &MeasurementReport) -> String {
 /// Where the greatest share is.
 fn of_greatest(greatest: &GreatestReport, has_azimuth: bool, is_grey: bool) -> String {
     let mut text = degrees(greatest.theta);
+    if greatest.at_last_angle {
+        text.push_str(", the last angle looked at");
+    }
     // At the normal, there is no azimuth.
     if has_azimuth && greatest.theta > 0.05 {
-        let _ = write!(text, ", azimuth {:.0}°", greatest.phi);
+        let _ = write!(text, ", azimuth {:.0}°", greatest.phi.round() % 360.0);
     }
     if !is_grey {
         let _ = write!(text, ", {}", greatest.component);
@@ -164,6 +175,7 @@ fn over_ranges(ranges: &RangeReport) -> String {
         fact(
             "energy",
             match above_one {
+                0 if greatest.is_uncertain => format!("CANNOT BE TOLD; most: {most}"),
                 0 if greatest.above_one_from.is_none() => format!("conserved by all; {} {most}", at_most(greatest)),
                 count => format!("NOT conserved by {}; most: {most}", (*count).max(1)),
             },

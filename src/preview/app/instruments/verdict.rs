@@ -1,5 +1,6 @@
 //! The verdict on energy: whether a model reflects more light than it gets, in words.
 
+use crate::instrument::direction::STEEPEST;
 use crate::instrument::measurement::{EnergyVerdict, ModelMeasurement};
 
 /// What is said of a model.
@@ -50,6 +51,11 @@ impl VerdictWords {
                     degrees(polar)
                 )
             }
+            EnergyVerdict::Uncertain => {
+                let (share, error) = (percent(best.share), percent(best.error));
+                let at = degrees(polar);
+                format!("Energy cannot be told: about {share} ± {error} of the{light} light is reflected (at {at}{around})")
+            }
             EnergyVerdict::DoesNot(_) => {
                 let from = match best.above_one.map(|[from, _]| from) {
                     Some(from) if from > ALONG => format!("; only along the surface, above 100 % from {}", degrees(from)),
@@ -85,6 +91,9 @@ fn details(measured: &ModelMeasurement) -> String {
         Some(worst) => format!("It is not reciprocal: values differ by up to {:.0} %.", 100.0 * worst.error),
         None => "It has no finite values.".to_owned(),
     });
+    if measured.beam.is_at_end() {
+        lines.push(format!("Beams are looked at up to {STEEPEST}° from the normal; the share may be greater beyond."));
+    }
     if measured.depends_on_azimuth {
         lines.push("It is anisotropic.".to_owned());
     }
@@ -108,6 +117,16 @@ mod tests {
         }
     }
 
+    /// Reflects twice the light in half of the directions, in stripes that are too narrow to be integrated.
+    struct Striped;
+
+    impl Reflectance for Striped {
+        fn values(&self, pairs: &[DirectionPair]) -> Vec<[f32; 3]> {
+            let stripe = |x: f32| if (99_999.0 * x).fract() < 0.5 { 2.0 } else { 0.0 };
+            pairs.iter().map(|pair| [stripe(pair.view[0] + 1.0) * pair.light[2]; 3]).collect()
+        }
+    }
+
     #[test]
     fn the_verdict_has_the_albedo_of_matte_surfaces() {
         let of = |albedo: [f32; 3]| VerdictWords::new(&ModelMeasurement::of(&Matte(albedo)));
@@ -119,6 +138,8 @@ mod tests {
         assert!(more.is_warning && more.text.ends_with("above 100 % from 0°"), "{}", more.text);
         assert_eq!(of([0.0; 3]).text, "Reflects no light");
         assert_eq!([89.94, 45.2].map(degrees), ["89.94°", "45°"]);
+        let words = VerdictWords::new(&ModelMeasurement::of(&Striped));
+        assert!(words.is_warning && words.text.starts_with("Energy cannot be told: about "), "{}", words.text);
         let odd = of([f32::NAN; 3]);
         assert!(odd.is_warning && odd.text.ends_with("no number somewhere"), "{}", odd.text);
     }
