@@ -1,7 +1,7 @@
 //! What single precision does to an integral: formulas have 24 bits, and differences of nearly equal numbers lose them.
 //!
-//! Where a narrow lobe is computed as `1 − (N.H)²`, for instance, all values of the lobe may be wrong in the same way, so
-//! the integral is wrong as well. Double precision tells by how much.
+//! Where a narrow lobe is computed as `1 − (N.H)²`, for instance, all values of the lobe may be wrong in the same way,
+//! so the integral is wrong as well. Double precision tells by how much.
 
 use crate::instrument::{DirectionPair, Reflectance};
 

@@ -277,8 +277,8 @@ fn streaks_are_found_at_their_azimuth() {
         near(&found["greatest_albedo"]["phi"], 90.0, 3.0);
         assert_eq!(found["conserves_energy"], conserves);
     }
-    // Ward (1992) with roughnesses of 0.01 and 1. By integration over slopes, in NumPy: 7.4113 at 89.99° and azimuth 90°,
-    // 7.369 at azimuth 85°.
+    // Ward (1992) with roughnesses of 0.01 and 1. By integration over slopes, in NumPy: 7.4113 at 89.99° and azimuth
+    // 90°, 7.369 at azimuth 85°.
     let ward = "formula; nl = max(N.L, 0); nv = max(N.V, 0); nh = max(N.H, 1e-6); t = H.T/0.01; b = H.B;
         = if(nl > 0 && nv > 0, <exp(-(t*t + b*b)/(nh*nh))/(4*0.01*sqrt(nl*nv))*nl>, <0>)*IL;";
     write(&folder, "ward.formula", ward);
@@ -291,8 +291,8 @@ fn streaks_are_found_at_their_azimuth() {
 #[test]
 fn rounding_is_part_of_the_error() {
     let folder = folder();
-    // GGX that reflects everything. By integration over slopes in double precision: 1.0000 at the normal, where no share
-    // is greater; 0.99957 at 89° with a roughness of 0.0005. The difference in d has few digits in single precision.
+    // GGX that reflects everything. By integration over slopes in double precision: 1.0000 at the normal, where no
+    // share is greater; 0.99957 at 89° with a roughness of 0.0005. In single precision, d has few digits.
     let ggx = |roughness: f64| {
         format!(
             "body_specific; al: scalar, default {roughness}; formula; nl = max(N.L, 0); nv = max(N.V, 0); nh = max(N.H, 0);
