@@ -12,7 +12,7 @@ use illuminator::instrument::direction::STEEPEST;
 use illuminator::instrument::view::{Component, InstrumentView, MOST_LOBES, NamedModel, Shown, VIEWS, ViewChoice, ViewSettings};
 use illuminator::lang::diagnostic::Diagnostic;
 use illuminator::lang::memory_size::MemorySize;
-use illuminator::plot::{Chart, ChartFormat, ChartTheme, Curve, plain};
+use illuminator::plot::{Chart, ChartFormat, ChartTheme, Curve, MapPanel, MapValues, plain};
 use illuminator::trace::usable_memory;
 use std::ffi::OsString;
 use std::io::Write;
@@ -202,26 +202,42 @@ fn warn_of_unused(options: &Options) {
 
 /// Warns of a chart in which there is nothing to be seen, and of numbers that are not seen as what they are.
 fn warn_of_nothing(chart: &Chart, models: &[NamedModel], is_log: bool) {
-    let angles = match chart {
-        Chart::Cartesian(_) | Chart::Polar(_) => 1,
-        Chart::Map(_) => 2,
-        Chart::Lobe(_) => 4,
-    };
-    let table = chart.table();
-    let numbers = || table.rows.iter().flat_map(|row| row.iter().skip(angles));
+    let numbers = numbers_of(chart);
+    let is_curves = matches!(chart, Chart::Cartesian(_) | Chart::Polar(_));
     let which = if models.len() == 1 { "the model" } else { "every model" };
-    if numbers().all(|number| !number.is_finite()) {
+    let is_unknown = numbers.iter().all(|number| !number.is_finite());
+    if is_curves && is_unknown {
         warn(format!("{which} has no finite value for these directions"));
-    } else if numbers().all(|number| *number == 0.0 || !number.is_finite()) {
+    } else if is_curves && numbers.iter().all(|number| *number == 0.0 || !number.is_finite()) {
         warn(format!("{which} is 0 for all of these directions"));
-    } else if is_log && numbers().all(|number| number.is_nan() || *number <= 0.0) {
+    } else if is_log && numbers.iter().all(|number| number.is_nan() || *number <= 0.0) {
         warn("no value is above 0, so a logarithmic scale shows nothing");
-    } else if numbers().any(|number| *number < 0.0) {
-        let least = numbers().copied().fold(f64::INFINITY, f64::min);
-        warn(format!("some values are negative, down to {least:.3}; only axes and numbers show that"));
+    } else if let Some(least) = numbers.iter().copied().filter(|number| *number < LEAST_TOLD).reduce(f64::min) {
+        warn(format!("some values are negative, down to {least:.3}"));
     }
-    if numbers().any(|number| number.is_nan()) && !numbers().all(|number| !number.is_finite()) {
-        warn("some values are no numbers; pictures show them in magenta, and curves have gaps there");
+    if !is_unknown && numbers.iter().any(|number| number.is_nan()) {
+        let shown = if is_curves { "curves have gaps there" } else { "they are magenta in pictures" };
+        warn(format!("some values are not numbers; {shown}"));
+    }
+}
+
+/// Rounding makes numbers this small of either sign.
+const LEAST_TOLD: f64 = -1e-6;
+
+/// All numbers that a chart shows.
+fn numbers_of(chart: &Chart) -> Vec<f64> {
+    let of_curves = |curves: &[Curve]| curves.iter().flat_map(|curve| &curve.points).map(|point| point[1]).collect();
+    match chart {
+        Chart::Cartesian(chart) => of_curves(&chart.curves),
+        Chart::Polar(chart) => of_curves(&chart.curves),
+        Chart::Lobe(chart) => chart.lobes.iter().flat_map(|lobe| &lobe.values).copied().collect(),
+        Chart::Map(chart) => {
+            let numbers = |panel: &MapPanel| match &panel.values {
+                MapValues::Numbers(numbers) => numbers.clone(),
+                MapValues::Colours(colours) => colours.as_flattened().iter().copied().map(f64::from).collect(),
+            };
+            chart.panels.iter().flat_map(numbers).collect()
+        }
     }
 }
 

@@ -302,7 +302,7 @@ pub fn integrate_with(
 
 /// How wrong an integral may be because of single precision: at some points of its cells, more of those that matter.
 fn rounding(model: &dyn Reflectance, over: Integration, fixed: [f64; 2], cells: &[SkyCell], is_narrow: bool) -> f64 {
-    let count = if is_narrow { 512 } else { 64 };
+    let count = if is_narrow { 512 } else { 24 };
     let size = |cell: &SkyCell| cell.sum.iter().fold(0.0_f64, |size, sum| size.max(sum.abs()));
     let total: f64 = cells.iter().map(size).sum();
     let fixed = direction(fixed[0], fixed[1]);

@@ -67,6 +67,8 @@ pub struct ModelProgram {
     outputs: Vec<NodeId>,
     /// What is read of each pair, a column each.
     variables: Vec<(NodeId, Variable, usize)>,
+    /// The same by variables: the columns of each, with their components.
+    columns: Vec<(Variable, Vec<(usize, usize)>)>,
     /// What parameters alone decide: computed once for all pairs.
     uniforms: Vec<NodeId>,
     /// `None` where no code can be compiled.
@@ -142,8 +144,15 @@ impl ModelProgram {
             sink: Sink::Columns,
         };
         let kernel = Width::widest().ok().and_then(|width| compile_stage(&plan, &graph, width).ok());
+        let mut columns: Vec<(Variable, Vec<(usize, usize)>)> = Vec::new();
+        for (column, (_, variable, component)) in variables.iter().enumerate() {
+            match columns.iter_mut().find(|(known, _)| known == variable) {
+                Some((_, columns)) => columns.push((column, *component)),
+                None => columns.push((*variable, vec![(column, *component)])),
+            }
+        }
         let colour_of_light = formula.predefined(Predefined::LightColour);
-        Self { graph, outputs, variables, uniforms, kernel, colour_of_light }
+        Self { graph, outputs, variables, columns, uniforms, kernel, colour_of_light }
     }
 
     /// How many numbers are computed for each pair.
@@ -180,12 +189,9 @@ impl ModelProgram {
         ];
         let given =
             |variable: Variable| own.iter().chain(&place.given).find(|(known, _)| *known == variable).map(|(_, value)| *value);
-        let mut last: Option<(Variable, DVec3)> = None;
-        for (column, (_, variable, component)) in self.variables.iter().enumerate() {
-            let known = last.filter(|(known, _)| known == variable).map(|(_, value)| value);
-            let value = known.or_else(|| variable_at_point(*variable, &given)).unwrap_or_default();
-            last = Some((*variable, value));
-            put(column, value[*component]);
+        for (variable, columns) in &self.columns {
+            let value = variable_at_point(*variable, &given).unwrap_or_default();
+            columns.iter().for_each(|(column, component)| put(*column, value[*component]));
         }
     }
 
