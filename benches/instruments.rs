@@ -1,8 +1,8 @@
 //! Times the charts of the instruments as the window makes them: at rest, and as drafts while a slider is held.
 //!
-//! `cargo bench --bench instruments` takes each view of three built-in formulas, moves all values before each chart, and
-//! prints the medians of the times in milliseconds: the numbers, and the numbers with the drawing. `-- marble` takes
-//! another formula. A display shows a frame each 16.7 ms.
+//! `cargo bench --bench instruments` takes each view of three built-in formulas, moves all values before each chart,
+//! and prints the medians of the times in milliseconds: the numbers, and the numbers with the drawing. `-- marble`
+//! takes another formula. A display shows a frame each 16.7 ms.
 #![allow(clippy::expect_used, reason = "a benchmark that cannot go on has failed")]
 
 use illuminator::formula::Formula;

@@ -63,9 +63,13 @@ pub fn undetermined(names: &[String], is_stepwise: bool) -> String {
 /// Below this, a residual is nothing but rounding: reflectance and colours are about 0.1 to 1.
 const EXACT: f64 = 1e-5;
 
-/// What to think of if residuals before and after are almost the same.
-pub fn hardly_fell([before, after]: [f64; 2]) -> Option<&'static str> {
-    let text = "the residual hardly fell: do the data belong to this model, and are transfer, exposure and scene the same?";
+/// What to think of if residuals before and after are almost the same. `is_picture` says whether a picture is fitted
+/// to.
+pub fn hardly_fell([before, after]: [f64; 2], is_picture: bool) -> Option<&'static str> {
+    let text = match is_picture {
+        true => "the residual hardly fell: are scene, passes, transfer and exposure those of the picture?",
+        false => "the residual hardly fell: does the model suit the data, and are their angles and units right?",
+    };
     (after > 0.9 * before && before > EXACT).then_some(text)
 }
 

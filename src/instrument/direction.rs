@@ -36,6 +36,13 @@ pub fn luminance([red, green, blue]: [f64; 3]) -> f64 {
     0.2126 * red + 0.7152 * green + 0.0722 * blue
 }
 
+/// An angle in degrees for people: at most two decimals, and a minus sign.
+pub fn angle_text(degrees: f64) -> String {
+    let rounded = (100.0 * degrees).round() / 100.0;
+    // Not −0.
+    format!("{}°", rounded + 0.0).replace('-', "−")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

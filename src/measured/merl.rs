@@ -10,7 +10,8 @@
 //! These are the indices of `BRDFRead`, the program that was published with the database. It takes the value of the
 //! cell that the angles lie in. Here a sample stands in the *middle* of its cell, at indices plus ½, and values between
 //! are interpolated linearly in the three coordinates. In the middle of each cell both agree. Where all colours are
-//! negative nothing was measured, as along the horizon; such samples are left out, and the others beside count for them.
+//! negative nothing was measured, as along the horizon; such samples are left out, and the others beside count for
+//! them.
 
 use crate::measured::error::Flaw;
 use glam::{DMat3, DVec3};

@@ -32,6 +32,8 @@ pub(super) struct FitReport {
     set: Vec<String>,
     cancelled: bool,
     seconds: f64,
+    #[serde(skip)]
+    is_picture: bool,
 }
 
 /// A number that was fitted, or that follows by an invariant.
@@ -110,6 +112,7 @@ impl FitReport {
             set: outcome.values.iter().filter_map(changed).collect(),
             cancelled: solution.cancelled,
             seconds: outcome.seconds,
+            is_picture: outcome.pictures.is_some(),
         }
     }
 }
@@ -135,7 +138,7 @@ pub(super) fn table(report: &FitReport) -> String {
         let _ = writeln!(text, "{}", words::undetermined(group, is_stepwise));
     }
     if !report.cancelled {
-        let _ = words::hardly_fell([before, after]).map(|words| writeln!(text, "{words}"));
+        let _ = words::hardly_fell([before, after], report.is_picture).map(|words| writeln!(text, "{words}"));
     }
     if let (Some(count), Some(samples)) = (report.not_finite, report.samples) {
         let _ = writeln!(text, "{}", words::undefined(count, samples));

@@ -1,7 +1,7 @@
 //! Views of a ball: in a white furnace, and under a light.
 
 use crate::instrument::albedo::albedos;
-use crate::instrument::direction::{direction, pair};
+use crate::instrument::direction::{angle_text, direction, pair};
 use crate::instrument::draft;
 use crate::instrument::expressions::spread_pairs;
 use crate::instrument::hemisphere::Integration;
@@ -179,7 +179,7 @@ pub(super) fn sphere(models: &[NamedModel], settings: &ViewSettings) -> Chart {
             let light = direction(*angle, 135.0 + settings.light_azimuth);
             let ball = BallGrid::of(settings).ball([0.03; 3], |normals| lit(model.model.as_ref(), light, normals));
             let name = ViewSettings::name_among(models, number);
-            let angle = if polar.len() > 1 { format!("light at {angle}°") } else { String::new() };
+            let angle = if polar.len() > 1 { format!("light at {}", angle_text(*angle)) } else { String::new() };
             let words = [name, angle].into_iter().filter(|word| !word.is_empty());
             panels.push(MapPanel { name: words.collect::<Vec<_>>().join(", "), ..ball });
         }

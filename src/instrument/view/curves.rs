@@ -1,6 +1,7 @@
 //! Views as curves: over the outgoing angle, and over the incoming angle.
 
 use crate::instrument::albedo::{EQUAL, albedos};
+use crate::instrument::direction::angle_text;
 use crate::instrument::draft;
 use crate::instrument::hemisphere::Integration;
 use crate::instrument::view::settings::{Component, ComponentPart, NamedModel, ViewSettings};
@@ -71,7 +72,7 @@ fn reflection_curves(models: &[NamedModel], polar: &[f64], settings: &ViewSettin
 
 /// The name of an incoming angle.
 pub(super) fn incoming_name(polar: f64) -> String {
-    format!("{} = {polar}°", subscript("θ", 'i'))
+    format!("{} = {}", subscript("θ", 'i'), angle_text(polar))
 }
 
 /// The title, and what stands below it: also the angle, if it is only one.
@@ -79,7 +80,7 @@ fn reflection_heading(models: &[NamedModel], polar: &[f64], settings: &ViewSetti
     let title = if settings.plane == 0.0 {
         "Reflection in the plane of incidence".to_owned()
     } else {
-        format!("Reflection in a plane {}° from that of incidence", settings.plane)
+        format!("Reflection in a plane {} from that of incidence", angle_text(settings.plane))
     };
     let mut heading = settings.heading(&title);
     if let ([angle], true) = (polar, models.len() > 1 || polar.len() == 1) {

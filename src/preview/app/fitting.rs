@@ -148,8 +148,13 @@ impl FittingPanel {
     fn follow(&mut self, workshop: &Workshop, selected: OwnerId) {
         if let Some(read) = self.reader.take() {
             match read {
-                Ok(data) => (self.data, self.trouble) = (Some(Arc::new(data)), None),
-                Err(why) => (self.data, self.trouble) = (None, Some(many_lines(&why))),
+                Ok(data) => {
+                    (self.data, self.trouble) = (Some(Arc::new(data)), None);
+                    // An earlier result is of other data.
+                    (self.result, self.page) = (None, FittingPage::Free);
+                }
+                // The data before stay.
+                Err(why) => self.trouble = Some(many_lines(&why)),
             }
         }
         if let Some(running) = &self.running {

@@ -296,7 +296,7 @@ impl InstrumentPanel {
     /// right of the picture.
     fn header_ui(&mut self, ui: &mut Ui, workshop: &Workshop, fits_right: bool) {
         ui.horizontal(|ui| {
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
                 if ui.small_button("×").on_hover_text("Close the instruments (Ctrl+I)").clicked() {
                     self.open = false;
                 }
@@ -311,7 +311,7 @@ impl InstrumentPanel {
                 if button.on_disabled_hover_text(why).clicked() {
                     self.dock = other;
                 }
-                ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                ui.with_layout(Layout::left_to_right(Align::Min), |ui| {
                     if workshop.formula().parameter_ids().next().is_none() {
                         return;
                     }
@@ -327,7 +327,7 @@ impl InstrumentPanel {
                         (false, true) => text.color(ui.visuals().warn_fg_color),
                         (false, false) => text,
                     };
-                    let button = ui.add(Button::new(text).frame(false).truncate());
+                    let button = ui.add(Button::new(text).frame(false).wrap());
                     if button
                         .on_hover_text(format!(
                             "{}\n{}\nClick for the share of the light over the angle.",

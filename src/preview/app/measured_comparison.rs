@@ -41,6 +41,8 @@ pub(super) struct MeasuredComparison {
     /// Whether the user waits for the first picture.
     is_awaited: bool,
     asked: Option<TwinKey>,
+    /// What the picture that is kept was asked for.
+    kept: Option<TwinKey>,
     worker: LatestWorker<(TwinKey, MeasuredTwin), (TwinKey, Result<Picture, String>)>,
 }
 
@@ -48,12 +50,17 @@ impl MeasuredComparison {
     /// No comparison yet. `wake` wakes the window.
     pub(super) fn new(wake: impl Fn() + Send + Sync + 'static) -> Self {
         let make = |(key, twin): (TwinKey, MeasuredTwin)| (key, twin.picture());
-        Self { of: None, count: 0, is_awaited: false, asked: None, worker: LatestWorker::new(make, wake) }
+        Self { of: None, count: 0, is_awaited: false, asked: None, kept: None, worker: LatestWorker::new(make, wake) }
     }
 
     /// Ends the comparison. What is still being made is not shown.
     pub(super) fn end(&mut self) {
-        (self.of, self.is_awaited, self.asked) = (None, false, None);
+        (self.of, self.is_awaited, self.asked, self.kept) = (None, false, None, None);
+    }
+
+    /// What is being made, in words.
+    pub(super) fn progress(&self) -> Option<&str> {
+        self.of.as_ref().filter(|_| self.is_awaited || self.worker.is_busy()).map(|of| of.about.as_str())
     }
 }
 
@@ -97,15 +104,17 @@ impl App {
             self.log.add(gone);
             return self.end_measured();
         };
-        // One pass at first, and once all passes are in view, as many.
+        // One pass at first, and once that and all passes of the current picture are in view, as many.
+        let first = TwinKey { stamp: self.workshop.stamp(), passes: 1, body, comparison: self.measured.count };
+        let has_first = self.measured.kept.is_some_and(|kept| TwinKey { passes: 1, ..kept } == first);
         let shown = self.workshop.shown().passes.shown as u32;
-        let passes = if shown >= self.workshop.renderer().passes()[1] { shown.max(1) } else { 1 };
-        let key = TwinKey { stamp: self.workshop.stamp(), passes, body, comparison: self.measured.count };
-        if self.measured.asked == Some(key) {
+        let is_full = shown >= self.workshop.renderer().passes()[1];
+        let key = if has_first && is_full { TwinKey { passes: shown.max(1), ..first } } else { first };
+        if self.measured.asked == Some(key) || self.measured.kept == Some(key) {
             return;
         }
         let material = (of.path.to_string_lossy().into_owned(), of.number);
-        match self.workshop.measured_twin(body, (&material.0, material.1), passes) {
+        match self.workshop.measured_twin(body, (&material.0, material.1), key.passes) {
             Some(twin) => {
                 self.measured.asked = Some(key);
                 self.measured.worker.ask((key, twin));
@@ -123,6 +132,7 @@ impl App {
         match made {
             Ok(picture) => {
                 self.workshop.keep_measured_picture(picture);
+                self.measured.kept = Some(key);
                 if std::mem::take(&mut self.measured.is_awaited) {
                     self.pane.mode = PaneMode::Split([Compared::Measured, Compared::Now]);
                     let about = self.measured.of.as_ref().map(|of| of.about.clone()).unwrap_or_default();

@@ -262,13 +262,11 @@ fn sensitivity_entry(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
     let Some(of) = app.parameter_of_interest() else { return };
     let (owner, id) = if is_seen { app.sensitivity.shown().unwrap_or(of) } else { of };
     let name = format!("Sensitivity to {}", one_line(&app.workshop.values().table().label(owner, id)));
-    check_entry(
-        ui,
-        is_seen,
-        &name,
-        Action::Instruments(InstrumentAction::ShowSensitivity((!is_seen).then_some((owner, id)))),
-        actions,
-    );
+    let action = Action::Instruments(InstrumentAction::ShowSensitivity((!is_seen).then_some((owner, id))));
+    if check_entry(ui, is_seen, &name, action, actions) {
+        // The menu would cover the legend.
+        ui.close();
+    }
 }
 
 fn view(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {

@@ -62,6 +62,8 @@ pub(super) fn bar(app: &App, ui: &mut Ui, actions: &mut Vec<Action>) {
             } else if let Some(progress) = app.workshop.renderer().progress() {
                 ui.add(ProgressBar::new(progress).desired_width(110.0));
                 ui.label("tracing");
+            } else if let Some(about) = app.measured.progress() {
+                ui.label("comparing…").on_hover_text(format!("The picture with {about} is being made"));
             }
             if let Some(pixel @ [x, y]) = app.pane.pointed() {
                 let name = body_at(&app.workshop, pixel).map(|body| app.workshop.scene().body(body).name.as_str());

@@ -75,7 +75,7 @@ impl FittingResult {
             undetermined(&names, group.iter().all(|number| solution.stepwise.contains(number)))
         };
         sentences.extend(solution.undetermined.iter().map(group));
-        sentences.extend(hardly_fell([before, after]).filter(|_| !solution.cancelled).map(str::to_owned));
+        sentences.extend(hardly_fell([before, after], task.data.is_picture()).filter(|_| !solution.cancelled).map(str::to_owned));
         let undefined_samples = undefined_samples.filter(|[count, _]| *count > 0);
         sentences.extend(undefined_samples.map(|[count, samples]| undefined(count, samples)));
         let is_fitted = |owner: usize, id| numbers.iter().any(|number| (number.owner, number.parameter) == (owner, id));
@@ -165,13 +165,14 @@ impl FittingResult {
             Grid::new("fitted values").num_columns(4).striped(true).spacing(vec2(between, 4.0)).show(ui, |ui| {
                 let head = |ui: &mut Ui, text: &str| right(ui, RichText::new(text).small().weak());
                 ui.label(RichText::new("parameter").small().weak());
-                ["before", "after", "deviation"].into_iter().for_each(|title| head(ui, title));
+                ["before", "after"].into_iter().for_each(|title| head(ui, title));
+                ui.label(RichText::new("deviation").small().weak());
                 ui.end_row();
                 for row in &self.rows {
                     ui.label(&row.name);
                     right(ui, RichText::new(&row.before).monospace());
                     right(ui, RichText::new(&row.after).monospace().strong());
-                    right(ui, RichText::new(&row.certainty).monospace());
+                    ui.label(RichText::new(&row.certainty).monospace());
                     ui.end_row();
                 }
             });

@@ -81,13 +81,25 @@ impl CurveLegend {
         });
         let colour = ui.visuals().text_color().gamma_multiply(fade);
         let at = pos2(rect.left() + SAMPLE + GAP, rect.center().y);
-        painter.text(at, Align2::LEFT_CENTER, &name, TextStyle::Small.resolve(ui.style()), colour);
+        let words = shortened(&name, |text| entry_width(ui, text) <= width + GAP);
+        painter.text(at, Align2::LEFT_CENTER, words, TextStyle::Small.resolve(ui.style()), colour);
         response.widget_info(|| egui::WidgetInfo::selected(egui::WidgetType::Checkbox, true, !is_hidden, &name));
         let about = if is_hidden { "hidden; click to show it" } else { "click to hide it" };
         if response.on_hover_text(format!("{name}\n{about}")).clicked() && !self.hidden.remove(&curve.name) {
             self.hidden.insert(curve.name.clone());
         }
     }
+}
+
+/// A name that is shortened until it fits. Its last part, behind a comma, is kept: it tells curves of one model apart.
+fn shortened(name: &str, fits: impl Fn(&str) -> bool) -> String {
+    if fits(name) {
+        return name.to_owned();
+    }
+    let (front, last) = name.rsplit_once(", ").map_or((name, String::new()), |(front, last)| (front, format!(", {last}")));
+    let lengths = (0..=front.chars().count()).rev();
+    let cut = |length: usize| format!("{}…{last}", front.chars().take(length).collect::<String>().trim_end());
+    lengths.map(cut).find(|text| fits(text)).unwrap_or_else(|| format!("…{last}"))
 }
 
 /// The width of an entry that shows all of a name.
@@ -125,6 +137,14 @@ fn places(room: Rect, widths: &[f32]) -> Option<(Rect, Rect)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_last_part_of_a_long_name_stays() {
+        let short = |name: &str| shortened(name, |text| text.chars().count() <= 16);
+        assert_eq!(short("a beam from there, red"), "a beam fro…, red");
+        assert_eq!(short("a name without commas"), "a name without…");
+        assert_eq!(short("short, red"), "short, red");
+    }
 
     #[test]
     fn legend_and_chart_never_overlap_and_the_chart_has_most_of_the_room() {

@@ -1,5 +1,6 @@
 //! The numbers for the viewer and the lights of a chart, in words.
 
+use crate::instrument::direction::angle_text;
 use crate::instrument::view::{DirectionReading, NamedModel};
 use crate::preview::app::instruments::plots::colour_text;
 
@@ -15,12 +16,12 @@ pub(super) struct ReadingWords {
 impl ReadingWords {
     /// The words for these numbers. `viewer` is the angle of the viewer in degrees.
     pub(super) fn new(models: &[NamedModel], viewer: f64, readings: &[DirectionReading]) -> Self {
-        let viewer = format!("viewer {viewer}°").replace('-', "−");
+        let viewer = format!("viewer {}", angle_text(viewer));
         let entry = |reading: &DirectionReading| {
             let name = models.get(reading.model).map(|model| model.name.as_str()).filter(|_| models.len() > 1);
             let name = name.map(|name| format!("{name}, ")).unwrap_or_default();
             let [brdf, value] = [reading.brdf, reading.value].map(|colour| colour_text(colour).replace('-', "−"));
-            format!("{name}light {}°: BRDF {brdf}, value {value}", reading.light)
+            format!("{name}light {}: BRDF {brdf}, value {value}", angle_text(reading.light))
         };
         let entries: Vec<String> = readings.iter().map(entry).collect();
         let line = format!("{viewer}; {}", entries.join("; "));

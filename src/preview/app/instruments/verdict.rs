@@ -1,6 +1,8 @@
 //! The verdict on energy: whether a model reflects more light than it gets, in words.
 
-use crate::instrument::direction::STEEPEST;
+use crate::instrument::DirectionPair;
+use crate::instrument::albedo::EQUAL;
+use crate::instrument::direction::{STEEPEST, angle_text, angles};
 use crate::instrument::measurement::{EnergyVerdict, ModelMeasurement};
 
 /// What is said of a model.
@@ -14,8 +16,11 @@ pub(super) struct VerdictWords {
     pub(super) details: String,
 }
 
-/// A share as a percentage. Near the whole, tenths matter.
+/// A share as a percentage. Near the whole, tenths matter. What is far above it is told as a multiple.
 fn percent(share: f64) -> String {
+    if share >= 100.0 {
+        return format!("{share:.0} times as much");
+    }
     let decimals = usize::from((share - 1.0).abs() < 0.01);
     format!("{:.decimals$} %", 100.0 * share)
 }
@@ -40,31 +45,28 @@ impl VerdictWords {
         let light = if has_colour { [" red", " green", " blue"][best.component.min(2)] } else { "" };
         let [polar, azimuth] = best.angles;
         let around = if measured.depends_on_azimuth { format!(", azimuth {azimuth:.0}°") } else { String::new() };
+        let at = if is_level(measured) { "every angle".to_owned() } else { format!("{}{around}", degrees(polar)) };
         let verdict = measured.verdict();
         let mut text = match verdict {
             EnergyVerdict::Unknown => "Has no finite value".to_owned(),
             EnergyVerdict::Conserves if best.share <= 0.0 => "Reflects no light".to_owned(),
             EnergyVerdict::Conserves => {
-                format!(
-                    "Conserves energy: at most {} of the{light} light is reflected (at {}{around})",
-                    percent(best.share),
-                    degrees(polar)
-                )
+                let share = percent(best.share);
+                format!("Conserves energy: at most {share} of the{light} light is reflected (at {at})")
             }
             EnergyVerdict::Uncertain => {
                 let (share, error) = (percent(best.share), percent(best.error));
-                let at = degrees(polar);
-                format!("Energy cannot be told: about {share} ± {error} of the{light} light is reflected (at {at}{around})")
+                format!("Energy cannot be told: about {share} ± {error} of the{light} light is reflected (at {at})")
             }
             EnergyVerdict::DoesNot(_) => {
                 let from = match best.above_one.map(|[from, _]| from) {
+                    _ if is_level(measured) => String::new(),
                     Some(from) if from > ALONG => format!("; only along the surface, above 100 % from {}", degrees(from)),
                     Some(from) if from >= 0.5 => format!("; above 100 % from {}", degrees(from)),
                     Some(_) => "; above 100 % from 0°".to_owned(),
                     None => String::new(),
                 };
-                let (share, at) = (percent(best.share), degrees(polar));
-                format!("Gives out more{light} light than it gets: {share} at {at}{around}{from}")
+                format!("Gives out more{light} light than it gets: {} at {at}{from}", percent(best.share))
             }
         };
         let is_negative = measured.least.is_some_and(|(least, _)| least < ROUNDING);
@@ -76,6 +78,20 @@ impl VerdictWords {
         let is_warning = verdict != EnergyVerdict::Conserves || is_negative || measured.not_finite.is_some();
         Self { text, is_warning, details: details(measured) }
     }
+}
+
+/// Whether the share is the same at all angles.
+fn is_level(measured: &ModelMeasurement) -> bool {
+    let component = measured.beam.component.min(2);
+    let is_equal = |share: f64| (share - measured.beam.share).abs() < EQUAL * measured.beam.share;
+    measured.rows.iter().all(|row| is_equal(row.beam[component]))
+}
+
+/// Where light and viewer are.
+fn place(pair: &DirectionPair) -> String {
+    let [[light, around], [view, view_around]] = [pair.light, pair.view].map(angles);
+    let azimuth = angle_text((view_around - around).rem_euclid(360.0).round());
+    format!("for light at {} and the viewer at {}, {azimuth} around from it", degrees(light), degrees(view))
 }
 
 fn details(measured: &ModelMeasurement) -> String {
@@ -97,8 +113,11 @@ fn details(measured: &ModelMeasurement) -> String {
     if measured.depends_on_azimuth {
         lines.push("It is anisotropic.".to_owned());
     }
-    if let Some((least, _)) = measured.least.filter(|(least, _)| *least < ROUNDING) {
-        lines.push(format!("Its least value is {least:.4}."));
+    if let Some((least, pair)) = measured.least.filter(|(least, _)| *least < ROUNDING) {
+        lines.push(format!("Its least value is {least:.4}, {}.", place(&pair)));
+    }
+    if let Some(pair) = measured.not_finite {
+        lines.push(format!("It has no finite value, for instance, {}.", place(&pair)));
     }
     lines.join("\n")
 }
@@ -106,7 +125,7 @@ fn details(measured: &ModelMeasurement) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::instrument::{DirectionPair, Reflectance};
+    use crate::instrument::Reflectance;
 
     /// A matte surface of this albedo.
     struct Matte([f32; 3]);
@@ -135,7 +154,8 @@ mod tests {
         assert!(!half.is_warning && half.details.contains("It is reciprocal"));
         let more = of([0.2, 1.5, 0.3]);
         assert!(more.text.starts_with("Gives out more green light than it gets: 150 % at "), "{}", more.text);
-        assert!(more.is_warning && more.text.ends_with("above 100 % from 0°"), "{}", more.text);
+        assert!(more.is_warning && more.text.ends_with("150 % at every angle"), "{}", more.text);
+        assert!(of([3000.0; 3]).text.ends_with("3000 times as much at every angle"));
         assert_eq!(of([0.0; 3]).text, "Reflects no light");
         assert_eq!([89.94, 45.2].map(degrees), ["89.94°", "45°"]);
         let words = VerdictWords::new(&ModelMeasurement::of(&Striped));
