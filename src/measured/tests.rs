@@ -240,7 +240,7 @@ fn mistakes_in_lists_of_samples_are_explained() {
         ("0,0,0,0,1,1,1\n0,0,0, x7,1,1,1\n", "line 2, column 8: `x7` is no number"),
         ("0,0,0,0,1,1,inf\n", "line 1, column 13: `inf` is no finite number of single precision"),
         ("0;0;0;0;0,5;1;1\n", "line 1, column 9: `0,5` is no number"),
-        ("0,0,0,0,1,1,1,1,\n", "line 1, column 17: 8 numbers, and 7 were expected"),
+        ("0,0,0,0,1,1,1,1,\n", "line 1, column 15: 8 numbers, and 7 were expected"),
         ("0,0,90,0,1,1,1\n", "line 1, column 5: the polar angle `90` is not from 0 to less than 90 degrees"),
         ("theta_i,phi_i,theta_o,phi_o,r,g\n", "line 1, column 1: there is no column `b`"),
         ("theta_i,phi_i,theta_o,phi_o,r,r,g\n", "line 1, column 31: there are two columns `r`"),

@@ -119,7 +119,7 @@ fn colour_text(colour: [f32; 3]) -> String {
 /// What a step of a parameter, one per cent of its range, does to the pixel.
 fn step_text(slope: [f32; 3], step: f32) -> String {
     let changed = colour_text(slope.map(|component| step * component));
-    format!("at this rate, 1 % of its range ({}) changes it by {changed}", figures(f64::from(step)))
+    format!("1 % of its range ({}): about {changed}", figures(f64::from(step)))
 }
 
 #[cfg(test)]
@@ -129,6 +129,6 @@ mod tests {
     #[test]
     fn steps_are_parts_of_the_range() {
         let text = step_text([0.5, 0.0, -1.0], 0.02);
-        assert_eq!(text, "at this rate, 1 % of its range (0.02) changes it by <0.01, 0, -0.02>");
+        assert_eq!(text, "1 % of its range (0.02): about <0.01, 0, -0.02>");
     }
 }

@@ -296,16 +296,22 @@ fn write_matte(path: &std::path::Path, albedo: f64) {
     std::fs::write(path, bytes).unwrap();
 }
 
-#[test]
-fn a_measured_material_is_beside_the_formula_and_in_the_picture() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("matte.binary");
+/// A window with a matte formula, and the file of a material of the same albedo.
+fn with_matte(folder: &std::path::Path) -> (Harness<'static, App>, std::path::PathBuf) {
+    let path = folder.join("matte.binary");
     write_matte(&path, 0.5);
     let mut harness = instruments(LAMBERT);
     for (name, value) in [("part", 0.5), ("kr", 0.0), ("kt", 0.0)] {
         set_all(&mut harness, name, value);
     }
     settle(&mut harness);
+    (harness, path)
+}
+
+#[test]
+fn a_measured_material_is_beside_the_formula_and_in_the_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut harness, path) = with_matte(folder.path());
     harness.state_mut().perform(Action::Instruments(InstrumentAction::AddMeasured(path.clone())));
     harness.state_mut().jobs.wait();
     harness.run_steps(2);
@@ -326,15 +332,11 @@ fn a_measured_material_is_beside_the_formula_and_in_the_picture() {
         panic!("{:?}", harness.state().pane.mode)
     };
     let measured = harness.state().workshop.measured_picture().unwrap().pixels.clone();
-    let steps = |(one, other): (&u32, &u32)| {
-        [0, 8, 16].map(|shift| (one >> shift & 0xff).abs_diff(other >> shift & 0xff)).into_iter().max().unwrap_or(0)
-    };
-    assert_eq!(measured.len(), now.len());
-    assert!(measured.iter().zip(&now).all(|pair| steps(pair) <= 1));
+    assert!(largest_difference(&measured, &now) <= 1);
     // It is not that of another albedo.
     set_all(&mut harness, "part", 0.9);
     let brighter = settle(&mut harness);
-    assert!(measured.iter().zip(&brighter).any(|pair| steps(pair) > 20));
+    assert!(largest_difference(&measured, &brighter) > 20);
 }
 
 /// Waits until the picture with a measured material is that of the values.
@@ -360,13 +362,7 @@ fn largest_difference(one: &[u32], other: &[u32]) -> u32 {
 #[test]
 fn the_picture_with_a_measured_material_follows_what_is_changed() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("matte.binary");
-    write_matte(&path, 0.5);
-    let mut harness = instruments(LAMBERT);
-    for (name, value) in [("part", 0.5), ("kr", 0.0), ("kt", 0.0)] {
-        set_all(&mut harness, name, value);
-    }
-    settle(&mut harness);
+    let (mut harness, path) = with_matte(folder.path());
     harness.state_mut().perform(Action::Instruments(InstrumentAction::Compare(path)));
     settle_measured(&mut harness);
     let twin = |harness: &Harness<'_, App>| harness.state().workshop.measured_picture().expect("a picture").clone();
