@@ -64,11 +64,13 @@ pub(super) struct Options {
     /// Starts: the values at hand, and others spread over the ranges, 1 to 1000
     #[arg(long, value_name = "N", value_parser = whole(1_u32..=1000), default_value = "8", allow_negative_numbers = true)]
     starts: u32,
-    /// Pairs of directions at which a measured material is compared, 100 to 1000000 [default: 10000]
-    #[arg(long, value_name = "N", value_parser = whole(PAIR_COUNTS), allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = whole(PAIR_COUNTS), allow_negative_numbers = true,
+        help = format!("Pairs of directions at which a measured material is compared, {} to {} [default: {USUAL_PAIRS}]",
+            PAIR_COUNTS.start(), PAIR_COUNTS.end()))]
     directions: Option<usize>,
-    /// Compare a measured material up to this angle from the normal, in degrees, 10 to 89 [default: 80]
-    #[arg(long, value_name = "DEGREES", value_parser = whole(PAIR_ANGLES), allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEGREES", value_parser = whole(PAIR_ANGLES), allow_negative_numbers = true,
+        help = format!("Compare a measured material up to this angle from the normal, in degrees, {} to {} \
+            [default: {LARGEST_ANGLE}]", PAIR_ANGLES.start(), PAIR_ANGLES.end()))]
     within: Option<u32>,
     /// Write a session with the fitted values
     #[arg(long = "output", short, value_name = "SESSION.toml")]

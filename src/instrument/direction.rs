@@ -48,6 +48,12 @@ mod tests {
     use super::*;
 
     #[test]
+    fn angles_for_people_have_two_decimals_at_most() {
+        let texts = [30.0, 84.611_396, -2.151_99, -0.001, 89.99].map(angle_text);
+        assert_eq!(texts, ["30°", "84.61°", "−2.15°", "0°", "89.99°"]);
+    }
+
+    #[test]
     fn angles_and_directions_are_inverse() {
         for (polar, azimuth) in [(0.0, 0.0), (30.0, 45.0), (89.0, 359.0), (60.0, 180.0)] {
             let [found, around] = angles(direction(polar, azimuth).as_vec3().to_array());

@@ -16,7 +16,7 @@ const MOST_TOPS: usize = 4;
 /// Tops that are nearer to each other count as one while they are chosen, in radians.
 const APART: f64 = 0.15;
 /// How narrow a top may be, in radians, from wide to narrow. Wider ones need no care.
-/// The narrowest are those of GGX with a roughness of 0.001 for light along the surface, across the plane of incidence.
+/// GGX with a roughness of 0.001 needs the narrowest when light comes along the surface.
 const WIDTHS: [f64; 10] = [0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3, 4e-4, 1e-4, 3e-5, 1e-5];
 
 /// A narrow top.

@@ -1,7 +1,7 @@
-//! What single precision does to an integral: formulas have 24 bits, and differences of nearly equal numbers lose them.
+//! The error that single precision adds to an integral.
 //!
-//! Where a narrow lobe is computed as `1 − (N.H)²`, for instance, all values of the lobe may be wrong in the same way,
-//! so the integral is wrong as well. Double precision tells by how much.
+//! A difference of nearly equal numbers has few correct digits. Where a narrow lobe is computed from `1 − (N.H)²`, all
+//! its values may be wrong in the same direction, and so is the integral. Double precision tells by how much.
 
 use crate::instrument::{DirectionPair, Reflectance};
 
@@ -12,8 +12,8 @@ pub(super) struct WeighedPair {
     pub(super) weight: f64,
 }
 
-/// How wrong an integral may be because of rounding: the mean difference at these points, and twice its standard error.
-/// 0 if the model has one precision alone.
+/// The error of an integral by rounding: the mean difference of both precisions at these points, plus twice its
+/// standard error. 0 if the model has only one precision.
 pub(super) fn error_of_rounding(model: &dyn Reflectance, points: &[WeighedPair]) -> f64 {
     let pairs: Vec<DirectionPair> = points.iter().map(|point| point.pair).collect();
     let Some(exact) = model.exact_values(&pairs) else { return 0.0 };

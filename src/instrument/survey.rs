@@ -66,12 +66,7 @@ impl ModelSurvey {
             climbed(model, over, largest(over, sized.filter(|(_, size)| *size > 0.0).collect()))
         });
         let depends_on_azimuth = by_azimuth.is_some_and(|found| found.error > EQUAL);
-        let differs_after_half_turn = depends_on_azimuth && {
-            let half: Vec<DirectionPair> = pairs.iter().map(|pair| turned(pair, PI)).collect();
-            let turns = |pair: &DirectionPair, _: usize| turned(pair, PI);
-            let found = largest_difference(model, [&pairs, &half], [&values, &model.values(&half)], &turns);
-            found.is_some_and(|found| found.error > EQUAL)
-        };
+        let differs_after_half_turn = depends_on_azimuth && { differs(model, &pairs, &values, &|pair, _| turned(pair, PI)) };
         Self { depends_on_azimuth, differs_after_half_turn, reciprocity, least, not_finite, peaks }
     }
 
@@ -103,10 +98,19 @@ fn moved(pair: &DirectionPair, by: impl Fn(DVec3) -> DVec3) -> DirectionPair {
 
 /// Whether values change when both directions of these pairs turn about the normal.
 pub fn depends_on_azimuth(model: &dyn Reflectance, pairs: &[DirectionPair]) -> bool {
-    let turns = |pair: &DirectionPair, index: usize| turned(pair, turn_of(index));
-    let around: Vec<DirectionPair> = pairs.iter().enumerate().map(|(index, pair)| turns(pair, index)).collect();
-    let [values, of_turned] = [pairs, &around].map(|pairs| model.values(pairs));
-    let found = largest_difference(model, [pairs, &around], [&values, &of_turned], &turns);
+    differs(model, pairs, &model.values(pairs), &|pair, index| turned(pair, turn_of(index)))
+}
+
+/// Whether values of pairs and of the same pairs in another way differ. `way` makes the other pair of one with this
+/// number.
+fn differs(
+    model: &dyn Reflectance,
+    pairs: &[DirectionPair],
+    values: &[[f32; 3]],
+    way: &dyn Fn(&DirectionPair, usize) -> DirectionPair,
+) -> bool {
+    let others: Vec<DirectionPair> = pairs.iter().enumerate().map(|(index, pair)| way(pair, index)).collect();
+    let found = largest_difference(model, [pairs, &others], [values, &model.values(&others)], way);
     found.is_some_and(|found| found.error > EQUAL)
 }
 

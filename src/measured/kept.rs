@@ -23,43 +23,23 @@ pub const MAX_MEASURED_BYTES: u64 = 4 << 30;
 pub const LARGEST: f32 = 9e5;
 
 /// The materials by their numbers.
-static KEPT: NumberedFiles<Arc<MeasuredMaterial>, MOST> = NumberedFiles::new(MAX_MEASURED_BYTES);
-
-/// Why there is no room for a material.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum NoMaterialRoom {
-    /// There are too many.
-    #[error("there are more than {MOST} measured materials")]
-    Number,
-    /// They take too much memory.
-    #[error("all measured materials together, and reading this one, take more than {} GiB of memory", MAX_MEASURED_BYTES >> 30)]
-    Memory,
-}
-
-impl From<NoRoom> for NoMaterialRoom {
-    fn from(why: NoRoom) -> Self {
-        match why {
-            NoRoom::Number => Self::Number,
-            NoRoom::Memory => Self::Memory,
-        }
-    }
-}
+static KEPT: NumberedFiles<Arc<MeasuredMaterial>, MOST> = NumberedFiles::new("measured materials", MAX_MEASURED_BYTES);
 
 /// Whether there is room for this many bytes beside the materials that are there.
 ///
 /// # Errors
 /// There are too many materials, or they would take too much memory.
-pub fn check_room(more: u64) -> Result<(), NoMaterialRoom> {
-    Ok(KEPT.check_room(more)?)
+pub fn check_room(more: u64) -> Result<(), NoRoom> {
+    KEPT.check_room(more)
 }
 
 /// Keeps a material that was read from a file, and gives it a number greater than 0.
 ///
 /// # Errors
 /// There are too many materials, or they would take too much memory.
-pub fn keep(path: PathBuf, material: Arc<MeasuredMaterial>) -> Result<f32, NoMaterialRoom> {
+pub fn keep(path: PathBuf, material: Arc<MeasuredMaterial>) -> Result<f32, NoRoom> {
     let size = material.bytes();
-    Ok(KEPT.keep(path, material, size)?)
+    KEPT.keep(path, material, size)
 }
 
 /// The material of a number; `None` for numbers that no material has.
@@ -144,6 +124,6 @@ mod tests {
             assert_eq!(component(number, [0.1; 2], [0.1; 2], 0.0), 0.0);
         }
         assert_eq!(component(number, [0.0; 2], [0.0; 2], 3.0), 0.0);
-        assert_eq!(check_room(1 << 42), Err(NoMaterialRoom::Memory));
+        assert_eq!(check_room(1 << 42), Err(NoRoom::Memory { what: "measured materials", most_bytes: MAX_MEASURED_BYTES }));
     }
 }

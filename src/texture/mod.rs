@@ -110,43 +110,23 @@ impl Neighbours {
 }
 
 /// The textures by their numbers. Number 0 stands for white and has none.
-static KNOWN: NumberedFiles<TextureImage, MOST> = NumberedFiles::new(MAX_TEXTURE_BYTES);
-
-/// Why there is no room for a texture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum NoTextureRoom {
-    /// There are too many.
-    #[error("there are more than {MOST} textures")]
-    Number,
-    /// They take too much memory.
-    #[error("all textures together, and reading this one, take more than {} GiB of memory", MAX_TEXTURE_BYTES >> 30)]
-    Memory,
-}
-
-impl From<NoRoom> for NoTextureRoom {
-    fn from(why: NoRoom) -> Self {
-        match why {
-            NoRoom::Number => Self::Number,
-            NoRoom::Memory => Self::Memory,
-        }
-    }
-}
+static KNOWN: NumberedFiles<TextureImage, MOST> = NumberedFiles::new("textures", MAX_TEXTURE_BYTES);
 
 /// Whether there is room for this many bytes beside the textures that are there.
 ///
 /// # Errors
 /// There are too many textures, or they would take too much memory.
-pub fn check_room(more: u64) -> Result<(), NoTextureRoom> {
-    Ok(KNOWN.check_room(more)?)
+pub fn check_room(more: u64) -> Result<(), NoRoom> {
+    KNOWN.check_room(more)
 }
 
 /// Keeps a texture that was read from a file, and gives it a number greater than 0.
 ///
 /// # Errors
 /// There are too many textures, or they would take too much memory.
-pub fn keep(path: PathBuf, texture: TextureImage) -> Result<f32, NoTextureRoom> {
+pub fn keep(path: PathBuf, texture: TextureImage) -> Result<f32, NoRoom> {
     let size = texture.texels.len() as u64 * TextureImage::BYTES_PER_TEXEL;
-    Ok(KNOWN.keep(path, texture, size)?)
+    KNOWN.keep(path, texture, size)
 }
 
 /// The texture of a number; `None` for white and for numbers that no texture has.
@@ -230,6 +210,6 @@ mod tests {
             assert_eq!((numbered(number), path_of(number)), (None, None));
             assert_eq!(component(number, 0.1, 0.1, 0.0), 1.0);
         }
-        assert_eq!(check_room(1 << 42), Err(NoTextureRoom::Memory));
+        assert_eq!(check_room(1 << 42), Err(NoRoom::Memory { what: "textures", most_bytes: MAX_TEXTURE_BYTES }));
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! A file is read once, until it changes. So two formulas that name it share one material.
 
-use crate::files::FileStamp;
+use crate::files::{FileStamp, NoRoom};
 use crate::formula::Formula;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::measured::{self, MeasuredError, Measurement, kept};
@@ -34,9 +34,7 @@ pub fn load(path: &Path) -> Result<f32, Diagnostic> {
         let near = near.map(|near| format!("did you mean `{}`?", near.display()));
         Diagnostic::error(error.to_string()).help_if(error.hint.or(near))
     };
-    let no_room = |error: kept::NoMaterialRoom| {
-        Diagnostic::error(format!("cannot read the measured material `{}`: {error}", path.display()))
-    };
+    let no_room = |error: NoRoom| Diagnostic::error(format!("cannot read the measured material `{}`: {error}", path.display()));
     let (file, metadata) = measured::open(path).map_err(told)?;
     // There are many ways to write a path.
     let stamp = FileStamp::new(&path.canonicalize().unwrap_or_else(|_| path.to_owned()), &metadata);

@@ -39,6 +39,26 @@ fn near(found: f64, wanted: f64) {
 }
 
 #[test]
+fn what_a_formula_alone_was_fitted_to_holds_in_other_commands() {
+    let folder = folder();
+    write(&folder, "matte.txt", "body_specific; kd: scalar, constraint 0..1, default 0.9; formula; = IL*<kd>*max(0, N.L);");
+    // The reflectance of an albedo of 0.4 is 0.4/π.
+    let lines = [0, 20, 40, 60].map(|angle| format!("{angle},0,{angle},180,0.127324,0.127324,0.127324\n"));
+    write(&folder, "matte.csv", &lines.concat());
+    let said = told(folder.path(), "fit matte.txt --to matte.csv --within 60 --samples 4 -o found.toml");
+    assert!(said.contains("`--within` counts for measured materials only"), "{said}");
+    assert!(said.contains("`--samples` counts for pictures only"), "{said}");
+    let set = said.lines().find_map(|line| line.strip_prefix("--set '")?.strip_suffix('\'')).expect("arguments");
+    assert!(set.starts_with("*.kd=0.4"), "{said}");
+    // The first body of the session is another one than the one that was fitted.
+    for arguments in [format!("matte.txt --set {set}"), "found.toml".to_owned()] {
+        let output = run(folder.path(), &format!("measure --json {arguments}"));
+        let measured: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        near(measured["greatest_albedo"]["share"].as_f64().expect("a number"), 0.4);
+    }
+}
+
+#[test]
 fn values_of_a_picture_come_back_in_a_session() {
     let folder = prepared();
     let made = run(folder.path(), "render small.toml --set ball.ks=0.3 --set ball.h=20 --set floor.kr=0.25 -o wanted.exr");

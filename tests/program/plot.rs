@@ -116,9 +116,9 @@ fn dark_paper_is_dark() {
 
 #[test]
 fn mistakes_are_explained() {
-    let folder = folder();
-    write(&folder, "wrong.formula", "formula; = Cb;");
-    let folder = folder.path();
+    let files = folder();
+    write(&files, "wrong.formula", "formula; = Cb;");
+    let folder = files.path();
     let says = |arguments: &str, status: i32, parts: &[&str]| {
         let said = told(folder, &format!("plot {arguments}"));
         assert!(said.ends_with(&format!("exit status {status}\n")), "{arguments}: {said}");
@@ -143,6 +143,14 @@ fn mistakes_are_explained() {
     says("model.txt --formula preset:phong --view polar -o a.png", 2, &["two models are given"]);
     says("model.txt --view furnace --theta 3 -o a.png", 0, &["Warning: `--theta` changes nothing in the view `furnace`"]);
     says("--formula model.txt --set kd=0 --set ks=0 --view polar -o a.png", 0, &["Warning: the model is 0"]);
+    write(&files, "below.formula", "formula; = IL*(-0.5)*max(0, N.L);");
+    write(&files, "odd.formula", "formula; = IL*sqrt(0.5 - N.V)*max(0, N.L);");
+    says("below.formula --view sphere -o a.png", 0, &["Warning: some values are negative, down to -0.500"]);
+    says("below.formula --view polar --log -o a.png", 0, &["Warning: no value is above 0, so a logarithmic scale shows nothing"]);
+    says("odd.formula --view slice -o a.png", 0, &["Warning: some values are not numbers; they are magenta in pictures"]);
+    let nine = "--theta 0,10,20,30,40,50,60,70,80";
+    says(&format!("model.txt --view polar --component each {nine} -o a.png"), 0, &["Warning: there are more curves than looks"]);
+    says(&format!("model.txt --with model.txt --view lobe {nine} -o a.png"), 2, &["at most 12 lobes", "make 18"]);
     #[cfg(unix)]
     {
         std::os::unix::fs::symlink("model.txt", folder.join("link.svg")).expect("a link");
