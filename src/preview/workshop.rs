@@ -37,6 +37,7 @@ pub use dependence::{MovingParameter, is_movable};
 use export::ExportContent;
 pub use export::PictureExport;
 use history::{CurrentState, HistoryEntry, PastValues, ValueHistory, changed, changed_in_view};
+use measured_picture::MeasuredPicture;
 pub use measured_picture::MeasuredTwin;
 use moving::MovingScene;
 pub use opening::{OpenedSession, OpeningErrors};
@@ -74,7 +75,7 @@ pub struct Workshop {
     requested: u64,
     snapshots: [Option<Snapshot>; 2],
     /// The picture with a measured material.
-    measured: Option<Picture>,
+    measured: Option<MeasuredPicture>,
     /// The scene that is moved by hand, as it was before.
     moving: Option<MovingScene>,
     departed: DepartedValues,

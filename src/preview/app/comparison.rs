@@ -38,6 +38,12 @@ impl Compared {
             Compared::Measured => workshop.measured_picture(),
         }
     }
+
+    /// The picture, unless it shows another scene than the present one, and will follow it.
+    fn present_picture(self, workshop: &Workshop) -> Option<&Picture> {
+        let follows = self == Compared::Measured && !workshop.measured_shows_scene();
+        self.picture(workshop).filter(|_| !follows)
+    }
 }
 
 /// Two pictures that are compared.
@@ -73,6 +79,17 @@ impl PaneMode {
         match self {
             PaneMode::Current | PaneMode::Snapshot(_) | PaneMode::Sensitivity => None,
             PaneMode::Split(pair) | PaneMode::Difference(pair, _) => Some(pair),
+        }
+    }
+
+    /// Whether the camera can be led meanwhile, because what is in view follows it.
+    pub(super) fn follows_camera(self) -> bool {
+        match self {
+            PaneMode::Current => true,
+            PaneMode::Snapshot(_) | PaneMode::Sensitivity => false,
+            PaneMode::Split(pair) | PaneMode::Difference(pair, _) => {
+                pair.iter().all(|side| !matches!(side, Compared::Snapshot(_)))
+            }
         }
     }
 
@@ -128,7 +145,7 @@ pub(super) struct Comparison {
 impl Comparison {
     /// Makes the picture, unless it is there. `line` is where two pictures meet, 0..1 of their width.
     pub(super) fn update(&mut self, mode: PaneMode, line: f32, workshop: &Workshop) {
-        let pictures = mode.pair().map(|pair| pair.map(|side| side.picture(workshop)));
+        let pictures = mode.pair().map(|pair| pair.map(|side| side.present_picture(workshop)));
         let Some([Some(one), Some(other)]) = pictures else {
             self.made_of = None;
             return;

@@ -47,6 +47,8 @@ pub(super) struct PicturePane {
     comparison: Comparison,
     line: DividingLine,
     response: Option<Response>,
+    /// Whether the user drags a picture that leads no camera, and that is in view as a whole.
+    drags_in_vain: bool,
     /// What is said over the picture.
     pub(super) note: Option<PaneNote>,
     /// How much each pixel depends on a parameter, if that was asked for.
@@ -70,11 +72,13 @@ struct DividingLine {
     position: f32,
     /// Whether the user is moving it.
     moves: bool,
+    /// Whether a press of a button takes hold of it, or has done so.
+    is_near: bool,
 }
 
 impl Default for DividingLine {
     fn default() -> Self {
-        Self { position: 0.5, moves: false }
+        Self { position: 0.5, moves: false, is_near: false }
     }
 }
 
@@ -96,6 +100,7 @@ impl Default for PicturePane {
             comparison: Comparison::default(),
             line: DividingLine::default(),
             response: None,
+            drags_in_vain: false,
             note: None,
             sensitivity: None,
             marked: (Picture::default(), 0),
@@ -112,7 +117,8 @@ impl PicturePane {
 
     /// Whether the mouse leads the scene in the picture. Otherwise it moves the picture itself.
     pub(super) fn leads_scene(&self, ui: &Ui) -> bool {
-        self.mode == PaneMode::Current && !ui.input(|input| input.key_down(egui::Key::Space))
+        let is_elsewhere = self.line.is_near || self.line.moves || ui.input(|input| input.key_down(egui::Key::Space));
+        self.mode.follows_camera() && !is_elsewhere
     }
 
     /// The body that was clicked last.
@@ -136,6 +142,12 @@ impl PicturePane {
         self.comparison.picture(self.mode).map(|_| self.comparison.words(pair, gain))
     }
 
+    /// Whether the user drags a picture that leads no camera, and that is in view as a whole.
+    #[cfg(test)]
+    pub(super) fn drags_in_vain(&self) -> bool {
+        self.drags_in_vain
+    }
+
     /// The pixel that was clicked in this frame.
     pub(super) fn clicked(&self) -> Option<[u32; 2]> {
         self.clicked
@@ -154,6 +166,9 @@ impl PicturePane {
         (self.area, self.scale) = (rect, scale);
         self.update_size(ui, workshop);
         self.compose(workshop);
+        self.find_line(ui, &response, workshop);
+        let is_fixed = !self.mode.follows_camera() && self.placement(workshop).is_whole();
+        self.drags_in_vain = response.dragged() && is_fixed && !self.line.is_near && !self.line.moves;
         if !self.leads_scene(ui) {
             self.move_by_hand(ui, &response, workshop);
         }
@@ -193,17 +208,21 @@ impl PicturePane {
         }
     }
 
+    /// Finds out whether the pointer takes hold of the line between two pictures.
+    fn find_line(&mut self, ui: &Ui, response: &Response, workshop: &Workshop) {
+        let at = ui.input(|input| input.pointer.press_origin()).or(response.hover_pos());
+        let near = |line: f32| at.is_some_and(|at| (at.x - line).abs() < LINE_REACH);
+        self.line.is_near = response.contains_pointer() && self.line_at(workshop).is_some_and(near);
+        if self.line.is_near && response.drag_started() {
+            self.line.moves = true;
+        }
+        if self.line.moves || self.line.is_near {
+            ui.ctx().set_cursor_icon(egui::CursorIcon::ResizeHorizontal);
+        }
+    }
+
     /// Moves the line between two pictures, or the picture, with the pointer.
     fn move_by_hand(&mut self, ui: &Ui, response: &Response, workshop: &Workshop) {
-        if let Some(line) = self.line_at(workshop) {
-            let near = |at: Option<Pos2>| at.is_some_and(|at| (at.x - line).abs() < LINE_REACH);
-            if response.drag_started() {
-                self.line.moves = near(ui.input(|input| input.pointer.press_origin()));
-            }
-            if self.line.moves || near(response.hover_pos()) {
-                ui.ctx().set_cursor_icon(egui::CursorIcon::ResizeHorizontal);
-            }
-        }
         if response.dragged() && self.line.moves {
             let width = self.placement(workshop).shown()[0] as f32 / self.scale;
             self.line.position = (self.line.position + response.drag_delta().x / width.max(1.0)).clamp(0.0, 1.0);
@@ -241,6 +260,11 @@ impl PicturePane {
                 say(egui::pos2(line - 8.0, corner.y), right, pair[0].name());
                 say(egui::pos2(line + 8.0, corner.y), left, pair[1].name());
             }
+            PaneMode::Split(pair) | PaneMode::Difference(pair, _)
+                if pair.contains(&Compared::Measured) && self.comparison.picture(self.mode).is_none() =>
+            {
+                say(corner, left, "now; the comparison follows");
+            }
             PaneMode::Difference(..) if let Some(words) = self.words_of_difference() => say(corner, left, &words),
             PaneMode::Current | PaneMode::Snapshot(_) | PaneMode::Sensitivity | PaneMode::Split(_) | PaneMode::Difference(..) => {
             }
@@ -248,6 +272,10 @@ impl PicturePane {
         match &self.note {
             Some(PaneNote { text, is_central: true }) => say(self.area.center(), egui::Align2::CENTER_CENTER, text),
             Some(PaneNote { text, is_central: false }) => {
+                say(self.area.left_bottom() + vec2(8.0, -8.0), egui::Align2::LEFT_BOTTOM, text);
+            }
+            None if self.drags_in_vain => {
+                let text = "The camera stays while this is in view. Compare > Current picture leads it again.";
                 say(self.area.left_bottom() + vec2(8.0, -8.0), egui::Align2::LEFT_BOTTOM, text);
             }
             None => {}

@@ -6,7 +6,14 @@ use crate::picture::{ViewTransform, quantise};
 use crate::preview::renderer::Picture;
 use crate::scene::BodyId;
 use crate::workspace::OwnerId;
+use crate::world::World;
 use std::sync::Arc;
+
+/// The picture that is kept, and the scene that it shows.
+pub(super) struct MeasuredPicture {
+    picture: Picture,
+    world: Arc<World>,
+}
 
 /// What a thread needs to make it.
 pub struct MeasuredTwin {
@@ -32,7 +39,12 @@ impl Workshop {
 
     /// The picture with a measured material, if one was made.
     pub fn measured_picture(&self) -> Option<&Picture> {
-        self.measured.as_ref()
+        self.measured.as_ref().map(|measured| &measured.picture)
+    }
+
+    /// Whether that picture is of the present scene, seen by the present camera.
+    pub fn measured_shows_scene(&self) -> bool {
+        self.measured.as_ref().is_some_and(|measured| Arc::ptr_eq(&measured.world, &self.world))
     }
 
     /// Forgets the picture with a measured material.
@@ -40,10 +52,11 @@ impl Workshop {
         self.measured = None;
     }
 
-    /// Keeps a picture with a measured material.
+    /// Keeps a picture of the present scene with a measured material.
     pub fn keep_measured_picture(&mut self, picture: Picture) {
-        let version = self.measured.as_ref().map_or(1 << 60, |before| before.version) + 1;
-        self.measured = Some(Picture { version, ..picture });
+        let version = self.measured_picture().map_or(1 << 60, |before| before.version) + 1;
+        let picture = Picture { version, ..picture };
+        self.measured = Some(MeasuredPicture { picture, world: Arc::clone(&self.world) });
     }
 }
 

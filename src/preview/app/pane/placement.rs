@@ -46,6 +46,12 @@ impl Placement {
         self.offset
     }
 
+    /// Whether all of it is in view.
+    pub(super) fn is_whole(&self) -> bool {
+        let room = [self.pane.width(), self.pane.height()].map(|side| (side * self.scale).round() as u32);
+        self.shown.iter().zip(room).all(|(shown, room)| *shown <= room)
+    }
+
     /// Screen pixels per pixel of the picture.
     pub(in crate::preview::app) fn factor(&self) -> f32 {
         self.shown[0] as f32 / self.full[0].max(1) as f32

@@ -456,3 +456,41 @@ fn a_file_that_is_no_material_is_refused_with_a_reason() {
     assert!(message.contains("short.binary"), "{message}");
     assert_eq!(harness.state().instruments.overlay_count(), 0);
 }
+
+#[test]
+fn the_camera_is_led_while_a_measured_material_is_compared() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut harness, path) = with_matte(folder.path());
+    harness.state_mut().perform(Action::Instruments(InstrumentAction::Compare(path)));
+    settle_measured(&mut harness);
+    let text = |harness: &Harness<'_, App>| harness.state().documents.scene.text().to_owned();
+    let before = text(&harness);
+    let area = harness.state().pane.area();
+    // On the line, only the line moves.
+    harness.drag_at(area.center());
+    harness.run_steps(2);
+    harness.hover_at(area.center() + egui::vec2(20.0, 0.0));
+    harness.run_steps(2);
+    harness.drop_at(area.center() + egui::vec2(20.0, 0.0));
+    harness.run_steps(2);
+    assert_eq!(text(&harness), before);
+    // Beside it, the camera is led.
+    let at = area.lerp_inside([0.25, 0.3]);
+    harness.drag_at(at);
+    harness.run_steps(2);
+    harness.hover_at(at + egui::vec2(30.0, 10.0));
+    harness.run_steps(2);
+    let app = harness.state();
+    assert!(app.workshop.moving().is_some());
+    // Until the picture with the material shows the new scene, too, there is nothing to compare.
+    let seen = app.pane.picture(&app.workshop);
+    assert_eq!(seen.version, app.workshop.shown().version);
+    harness.drop_at(at + egui::vec2(30.0, 10.0));
+    let now = settle(&mut harness);
+    settle_measured(&mut harness);
+    assert_ne!(text(&harness), before);
+    let app = harness.state();
+    let twin = app.workshop.measured_picture().expect("a picture");
+    assert!(app.workshop.measured_shows_scene() && largest_difference(&twin.pixels, &now) <= 1);
+    assert_ne!(app.pane.picture(&app.workshop).version, app.workshop.shown().version, "the comparison is in view again");
+}

@@ -77,3 +77,29 @@ fn the_wheel_zooms_to_what_is_pointed_at() {
         assert!(before.iter().zip(after).all(|(before, after)| before.abs_diff(after) <= 1), "{before:?} {after:?}");
     }
 }
+
+#[test]
+fn a_drag_that_leads_no_camera_says_so() {
+    let mut harness = harness();
+    settle(&mut harness);
+    harness.state_mut().perform(Action::TakeSnapshot(0));
+    let drags = |harness: &mut Harness<'_, App>, mode| {
+        harness.state_mut().pane.mode = mode;
+        harness.run_steps(2);
+        let area = harness.state().pane.area();
+        let at = area.lerp_inside([0.25, 0.3]);
+        harness.drag_at(at);
+        harness.run_steps(2);
+        harness.hover_at(at + egui::vec2(30.0, 10.0));
+        harness.run_steps(2);
+        let (moves, in_vain) = (harness.state().workshop.moving().is_some(), harness.state().pane.drags_in_vain());
+        harness.drop_at(at + egui::vec2(30.0, 10.0));
+        harness.run_steps(2);
+        settle(harness);
+        (moves, in_vain)
+    };
+    let beside = comparison::PaneMode::Split(comparison::PAIRS[0]);
+    assert_eq!(drags(&mut harness, beside), (false, true));
+    assert!(!harness.state().pane.drags_in_vain(), "the drag has ended");
+    assert_eq!(drags(&mut harness, comparison::PaneMode::Current), (true, false));
+}
