@@ -98,7 +98,7 @@ use materials::MaterialRow;
 use measured_comparison::MeasuredComparison;
 use notices::{Notice, Notices, Topic};
 use pane::PicturePane;
-use panel_sizes::remember;
+use panel_sizes::{remember, wanted_size};
 use parameters::ParameterPanel;
 use saving::PendingSave;
 use sensitivity_view::SensitivityView;
@@ -305,8 +305,12 @@ impl App {
         let narrow = ui.ctx().content_rect().width() < NARROW;
         let named = |name: &str| Id::new((name, narrow));
         let mut sizes = self.user_state.settings.window.panels;
-        let width = |side: PanelSide, in_narrow: f32| if narrow { in_narrow } else { sizes.get(side) };
-        let [of_texts, of_parameters] = [width(PanelSide::Texts, 260.0), width(PanelSide::Parameters, 250.0)];
+        let width = |name: &str, side: PanelSide, in_narrow: f32| match narrow {
+            true => in_narrow,
+            false => wanted_size(ui.ctx(), named(name), side, &sizes),
+        };
+        let of_texts = width("texts", PanelSide::Texts, 260.0);
+        let of_parameters = width("parameters", PanelSide::Parameters, 250.0);
         // The picture keeps some room.
         let most = ui.available_width() - LEAST_PICTURE;
         if self.panels.texts {

@@ -16,7 +16,7 @@ use crate::fit::request::FittedOwners;
 use crate::fit::solve::FitOptions;
 use crate::lang::display_text::{many_lines, one_line};
 use crate::preview::app::comparison::{PAIRS, PaneMode, SNAPSHOTS};
-use crate::preview::app::panel_sizes::remember;
+use crate::preview::app::panel_sizes::{remember, wanted_size};
 use crate::preview::app::theme::main_button;
 use crate::preview::latest::LatestWorker;
 use crate::preview::workshop::Workshop;
@@ -202,7 +202,8 @@ impl FittingPanel {
         let mut orders = Vec::new();
         let most = (0.62 * ui.available_height()).max(LEAST_HEIGHT);
         let id = Id::new("fitting");
-        let panel = Panel::bottom(id).resizable(true).default_size(sizes.get(PanelSide::Fitting));
+        let size = wanted_size(ui.ctx(), id, PanelSide::Fitting, sizes);
+        let panel = Panel::bottom(id).resizable(true).default_size(size);
         panel.size_range(LEAST_HEIGHT..=most).show(ui, |ui| {
             let is_narrow = ui.available_width() < NARROW_PANEL;
             self.header_ui(ui, workshop, is_narrow);

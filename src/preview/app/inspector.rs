@@ -9,7 +9,7 @@ use crate::evaluate::inspect::{
 use crate::preview::app::colours::{paint_swatch, shown_colour};
 use crate::preview::app::instruments::InstrumentPlace;
 use crate::preview::app::pane::Placement;
-use crate::preview::app::panel_sizes::remember;
+use crate::preview::app::panel_sizes::{remember, wanted_size};
 use crate::preview::app::pixel_dependence::{OwnedParameter, PixelDependence};
 use crate::preview::workshop::Workshop;
 use crate::scene::BodyId;
@@ -142,7 +142,8 @@ impl InspectorPanel {
         // Half of the room is for the picture.
         let most = (0.5 * ui.available_height()).max(LEAST_HEIGHT);
         let id = Id::new("inspector");
-        let panel = Panel::bottom(id).resizable(true).default_size(sizes.get(PanelSide::Inspector));
+        let size = wanted_size(ui.ctx(), id, PanelSide::Inspector, sizes);
+        let panel = Panel::bottom(id).resizable(true).default_size(size);
         panel.size_range(LEAST_HEIGHT..=most).show(ui, |ui| {
             let close = self.header_ui(ui, workshop);
             ui.separator();

@@ -21,7 +21,7 @@ use crate::instrument::measurement::ModelMeasurement;
 use crate::instrument::model::{Place, reads_coordinates};
 use crate::instrument::view::{LightUse, NamedModel, ViewSettings};
 use crate::plot::ChartTheme;
-use crate::preview::app::panel_sizes::remember;
+use crate::preview::app::panel_sizes::{remember, wanted_size};
 use crate::preview::app::{Action, InstrumentAction};
 use crate::preview::latest::LatestWorker;
 use crate::preview::workshop::Workshop;
@@ -199,7 +199,8 @@ impl InstrumentPanel {
         // The picture keeps some, too.
         let most = (room - LEAST_PICTURE).min(0.62 * room).max(LEAST_HEIGHT);
         let id = Id::new("instruments");
-        let panel = Panel::bottom(id).resizable(true).default_size(sizes.get(PanelSide::Instruments));
+        let size = wanted_size(ui.ctx(), id, PanelSide::Instruments, sizes);
+        let panel = Panel::bottom(id).resizable(true).default_size(size);
         panel.size_range(LEAST_HEIGHT..=most).show(ui, |ui| {
             self.header_ui(ui, workshop, fits_right);
             ui.horizontal_wrapped(|ui| self.controls.views_ui(ui));
@@ -223,7 +224,8 @@ impl InstrumentPanel {
     fn right_ui(&mut self, ui: &mut Ui, workshop: &Workshop, sizes: &mut PanelSizes, actions: &mut Vec<Action>) {
         let most = (ui.available_width() - LEAST_PICTURE_WIDTH).max(LEAST_WIDTH);
         let id = Id::new("instruments at the right");
-        let panel = Panel::right(id).resizable(true).default_size(sizes.get(PanelSide::InstrumentsAtRight));
+        let size = wanted_size(ui.ctx(), id, PanelSide::InstrumentsAtRight, sizes);
+        let panel = Panel::right(id).resizable(true).default_size(size);
         panel.size_range(LEAST_WIDTH..=most).show(ui, |ui| {
             self.header_ui(ui, workshop, true);
             ui.horizontal_wrapped(|ui| self.controls.views_ui(ui));

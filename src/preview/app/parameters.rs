@@ -5,7 +5,7 @@ use crate::lang::variables::{Owner, Predefined};
 use crate::picture::Transfer;
 use crate::preview::app::colours::{paint_swatch, shown_colour};
 use crate::preview::app::materials::MaterialRow;
-use crate::preview::app::panel_sizes::remember;
+use crate::preview::app::panel_sizes::{remember, wanted_size};
 use crate::preview::app::theme::section;
 use crate::preview::app::value_rows::{RowColumns, RowContext, ValueEdit};
 use crate::preview::app::{Action, InstrumentAction};
@@ -87,7 +87,8 @@ impl ParameterPanel {
         // The list never takes the room of the values.
         let most = (ui.available_height() - LEAST_VALUES).max(LEAST_OWNERS);
         let id = Id::new("owners");
-        let list = Panel::top(id).resizable(true).default_size(sizes.get(PanelSide::Owners)).size_range(LEAST_OWNERS..=most);
+        let size = wanted_size(ui.ctx(), id, PanelSide::Owners, sizes);
+        let list = Panel::top(id).resizable(true).default_size(size).size_range(LEAST_OWNERS..=most);
         let list = list.frame(egui::Frame::NONE.inner_margin(egui::Margin::symmetric(0, 4)));
         list.show(ui, |ui| {
             // Whole rows, so none is cut in two. The panel keeps its height.

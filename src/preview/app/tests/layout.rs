@@ -89,3 +89,26 @@ fn the_texts_of_cards_keep_off_their_edges() {
         assert!(about.bottom() <= card.bottom() - 6.0 && about.left() > card.left(), "{}: {about:?} in {card:?}", preset.name);
     }
 }
+
+#[test]
+fn panels_get_their_sizes_back_when_there_is_room_again() {
+    let mut harness = harness();
+    let height = |harness: &mut Harness<'_, App>, size: [f32; 2]| {
+        harness.set_size(egui::vec2(size[0], size[1]));
+        harness.run_steps(6);
+        let id = egui::Id::new("instruments");
+        egui::panel::PanelState::load(&harness.ctx, id).expect("the instruments are open").size().y
+    };
+    harness.state_mut().perform(Action::TogglePanel(PanelId::Instruments));
+    let before = height(&mut harness, [1280.0, 900.0]);
+    assert_eq!(before, 380.0);
+    for panel in [PanelId::Log, PanelId::Inspector] {
+        harness.state_mut().perform(Action::TogglePanel(panel));
+    }
+    let small = height(&mut harness, [900.0, 600.0]);
+    assert!(small < 0.7 * before, "{small}");
+    for panel in [PanelId::Log, PanelId::Inspector] {
+        harness.state_mut().perform(Action::TogglePanel(panel));
+    }
+    assert_eq!(height(&mut harness, [1280.0, 900.0]), before);
+}
