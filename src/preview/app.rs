@@ -6,6 +6,7 @@
 //! drive all of this without one.
 
 mod action;
+mod arrangement;
 mod asset_loading;
 mod autosave;
 mod colours;
@@ -74,18 +75,17 @@ use crate::preview::workshop::{OpenedSession, OpeningErrors, Workshop};
 use crate::preview::{FrameTimes, PictureView, WindowApp};
 use crate::user_data::desktop_theme::desktop_is_dark;
 use crate::user_data::folders::Folders;
-use crate::user_data::settings::{InstrumentDock, PanelSide, PanelSizes, WindowSettings};
+use crate::user_data::settings::{PanelSide, WindowSettings};
 use crate::workspace::AssetStore;
 use crate::workspace::FileKind;
 use crate::workspace::Location;
-use crate::workspace::OwnerId;
 use crate::workspace::presets::DEFAULT_SESSION;
 use crate::workspace::project::SessionMistakes;
 use asset_loading::AssetLoading;
 use confirmation::Confirmation;
 use dialogs::Dialogs;
 use drops::DroppedFiles;
-use egui::{CentralPanel, Context, Frame, Id, Panel, Ui};
+use egui::{CentralPanel, Context, Frame, Panel, Ui};
 use fitting::FittingPanel;
 use focus_ring::FocusRing;
 use gallery::Gallery;
@@ -98,7 +98,6 @@ use materials::MaterialRow;
 use measured_comparison::MeasuredComparison;
 use notices::{Notice, Notices, Topic};
 use pane::PicturePane;
-use panel_sizes::{remember, wanted_size};
 use parameters::ParameterPanel;
 use saving::PendingSave;
 use sensitivity_view::SensitivityView;
@@ -112,14 +111,6 @@ use theme::Theme;
 use thumbnails::Thumbnails;
 use unsaved::SavedSession;
 use user_state::UserState;
-
-/// Windows narrower than this, in points, get narrower panels: otherwise there would be no room for the picture.
-const NARROW: f32 = 860.0;
-
-/// The least widths of the panels and of the picture between them, in points.
-const LEAST_TEXTS: f32 = 220.0;
-const LEAST_PARAMETERS: f32 = 240.0;
-const LEAST_PICTURE: f32 = 160.0;
 
 /// The workshop with its user interface.
 pub struct App {
@@ -301,40 +292,7 @@ impl App {
         if self.panels.log {
             Panel::bottom("log").resizable(true).default_size(150.0).show(ui, |ui| self.log.ui(ui));
         }
-        // A narrow window has panels of its own, so the others keep their width until there is room again.
-        let narrow = ui.ctx().content_rect().width() < NARROW;
-        let named = |name: &str| Id::new((name, narrow));
-        let mut sizes = self.user_state.settings.window.panels;
-        let width = |name: &str, side: PanelSide, in_narrow: f32| match narrow {
-            true => in_narrow,
-            false => wanted_size(ui.ctx(), named(name), side, &sizes),
-        };
-        let of_texts = width("texts", PanelSide::Texts, 260.0);
-        let of_parameters = width("parameters", PanelSide::Parameters, 250.0);
-        // The picture keeps some room.
-        let most = ui.available_width() - LEAST_PICTURE;
-        if self.panels.texts {
-            let most = if self.panels.parameters { most - LEAST_PARAMETERS } else { most };
-            let panel = Panel::left(named("texts")).resizable(true).default_size(of_texts);
-            panel.size_range(LEAST_TEXTS..=most.max(LEAST_TEXTS)).show(ui, |ui| self.texts_ui(ui, &mut actions));
-        }
-        if self.panels.parameters {
-            let most = (ui.available_width() - LEAST_PICTURE).max(LEAST_PARAMETERS);
-            let panel = Panel::right(named("parameters")).resizable(true).default_size(of_parameters);
-            panel.size_range(LEAST_PARAMETERS..=most).show(ui, |ui| {
-                let shared = (self.pane.selected(), &mut sizes);
-                self.parameters.ui(ui, &mut self.workshop, &mut self.materials, shared);
-            });
-            actions.append(&mut self.materials.take_actions());
-            actions.append(&mut self.parameters.take_actions());
-        }
-        if !narrow {
-            remember(ui.ctx(), named("texts"), PanelSide::Texts, &mut sizes);
-            remember(ui.ctx(), named("parameters"), PanelSide::Parameters, &mut sizes);
-        }
-        self.inspector.set_passes(self.workshop.renderer().passes());
-        self.around_picture_ui(ui, waits || typing, &mut sizes, &mut actions);
-        self.user_state.settings.window.panels = sizes;
+        self.panels_ui(ui, waits || typing, &mut actions);
         CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
             Panel::bottom("view controls").show(ui, |ui| view_controls::bar(self, ui, &mut actions));
             self.pane.note = self.note_on_picture();
@@ -366,27 +324,6 @@ impl App {
             self.perform(action);
         }
         self.autosave(ui);
-    }
-
-    /// Draws the inspector, the instruments and the panel for fits, around the picture. Keys do nothing while something
-    /// `waits` for them.
-    fn around_picture_ui(&mut self, ui: &mut Ui, waits: bool, sizes: &mut PanelSizes, actions: &mut Vec<Action>) {
-        self.follow_sensitivity(ui, waits);
-        // At the right, the instruments have the height of all panels together.
-        let is_beside = self.instruments.dock_within(ui.available_width()) == InstrumentDock::Right;
-        if is_beside {
-            self.instruments_ui(ui, sizes, actions);
-        }
-        let of = self.parameter_of_interest();
-        self.inspector.ui(ui, &self.workshop, of, sizes);
-        if let Some(place) = self.inspector.take_place() {
-            self.parameters.select(OwnerId::Body(place.body));
-            self.instruments.look_at(place);
-        }
-        if !is_beside {
-            self.instruments_ui(ui, sizes, actions);
-        }
-        self.fitting_ui(ui, sizes);
     }
 
     /// Takes what the renderer and the background jobs have told since the last frame.

@@ -30,7 +30,9 @@ use crate::user_data::settings::{InstrumentDock, PanelSide, PanelSizes, WindowSe
 use crate::workspace::OwnerId;
 use chart_pane::theme_of;
 use controls::ChartControls;
-use egui::{Align, Button, CentralPanel, Frame, Id, Label, Layout, Margin, Panel, RichText, ScrollArea, TextureHandle, Ui};
+use egui::text::{LayoutJob, TextWrapping};
+use egui::{Align, Button, CentralPanel, FontSelection, Frame, Galley, Id, Label, Layout, Margin, Panel, RichText};
+use egui::{ScrollArea, TextureHandle, Ui};
 use legend::CurveLegend;
 use overlays::Overlays;
 use sheet::{DrawnChart, SheetRequest};
@@ -49,6 +51,8 @@ const TWO_COLUMNS: f32 = 360.0;
 const MOST_CHOICES: f32 = 0.45;
 /// The least height that is left for the picture, in points.
 const LEAST_PICTURE: f32 = 250.0;
+/// A panel that is less high than this, in points, is low.
+const LOW: f32 = 420.0;
 /// The width of the choices beside the chart, in points.
 const CONTROLS_WIDTH: f32 = 178.0;
 /// A verdict that takes longer waits until the slider is let go.
@@ -168,12 +172,12 @@ impl InstrumentPanel {
     }
 
     /// Draws the panel below the picture or at its right, with the current values. `selected` is the owner whose values
-    /// are in view.
+    /// are in view. `beside` is the width that the picture and the panel at its right have together.
     pub(super) fn ui(
         &mut self,
         ui: &mut Ui,
-        workshop: &Workshop,
-        (selected, formula): (OwnerId, &str),
+        (workshop, (selected, formula)): (&Workshop, (OwnerId, &str)),
+        beside: f32,
         sizes: &mut PanelSizes,
         actions: &mut Vec<Action>,
     ) {
@@ -181,8 +185,8 @@ impl InstrumentPanel {
             return;
         }
         self.follow(workshop, selected, formula);
-        match self.dock_within(ui.available_width()) {
-            InstrumentDock::Below => self.below_ui(ui, workshop, sizes, actions),
+        match self.dock_within(beside) {
+            InstrumentDock::Below => self.below_ui(ui, (workshop, fits_right(beside)), sizes, actions),
             InstrumentDock::Right => self.right_ui(ui, workshop, sizes, actions),
         }
     }
@@ -192,10 +196,16 @@ impl InstrumentPanel {
         if fits_right(width) { self.dock } else { InstrumentDock::Below }
     }
 
-    /// Draws the panel below the picture: choices at the left of the chart.
-    fn below_ui(&mut self, ui: &mut Ui, workshop: &Workshop, sizes: &mut PanelSizes, actions: &mut Vec<Action>) {
+    /// Draws the panel below the picture: choices at the left of the chart. `fits_right` says whether it could be at the
+    /// right of the picture.
+    fn below_ui(
+        &mut self,
+        ui: &mut Ui,
+        (workshop, fits_right): (&Workshop, bool),
+        sizes: &mut PanelSizes,
+        actions: &mut Vec<Action>,
+    ) {
         let room = ui.available_height();
-        let fits_right = fits_right(ui.available_width());
         // The picture keeps some, too.
         let most = (room - LEAST_PICTURE).min(0.62 * room).max(LEAST_HEIGHT);
         let id = Id::new("instruments");
@@ -297,6 +307,8 @@ impl InstrumentPanel {
     /// Draws the verdict, and the buttons that close and move the panel. `fits_right` says whether there is room at the
     /// right of the picture.
     fn header_ui(&mut self, ui: &mut Ui, workshop: &Workshop, fits_right: bool) {
+        // A low panel keeps its room for the chart. All words are in the tooltip, too.
+        let most_rows = if ui.available_height() < LOW { 2 } else { 8 };
         ui.horizontal(|ui| {
             ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
                 if ui.small_button("×").on_hover_text("Close the instruments (Ctrl+I)").clicked() {
@@ -329,7 +341,7 @@ impl InstrumentPanel {
                         (false, true) => text.color(ui.visuals().warn_fg_color),
                         (false, false) => text,
                     };
-                    let button = ui.add(Button::new(text).frame(false).wrap());
+                    let button = ui.add(Button::new(in_rows(ui, text, most_rows)).frame(false));
                     if button
                         .on_hover_text(format!(
                             "{}\n{}\nClick for the share of the light over the angle.",
@@ -421,6 +433,12 @@ impl InstrumentPanel {
             && self.subject.as_ref().is_some_and(is_known)
     }
 
+    /// The size of the chart, in pixels of the screen.
+    #[cfg(test)]
+    pub(super) fn chart_size(&self) -> [u32; 2] {
+        self.asked.as_ref().map(|asked| asked.size).unwrap_or_default()
+    }
+
     /// What is read out above the chart.
     #[cfg(test)]
     pub(super) fn reading(&self) -> String {
@@ -448,6 +466,14 @@ impl InstrumentPanel {
         let [light, view] = [place.light_angles, place.view_angles].map(|[polar, azimuth]| direction(polar, azimuth));
         Some((*subject.held.values(&[pair(light, view)]).first()?, place.light_angles[0]))
     }
+}
+
+/// A text within the free width, in at most this many rows.
+fn in_rows(ui: &Ui, text: RichText, rows: usize) -> Arc<Galley> {
+    let mut job = LayoutJob::default();
+    text.append_to(&mut job, ui.style(), FontSelection::Default, Align::Center);
+    job.wrap = TextWrapping { max_width: ui.available_width(), max_rows: rows, ..TextWrapping::default() };
+    ui.fonts_mut(|fonts| fonts.layout_job(job))
 }
 
 /// Whether there is room for the panel at the right of the picture, if both have this width together.

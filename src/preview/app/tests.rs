@@ -1,6 +1,7 @@
 //! The workshop driven without a window.
 
 use super::*;
+use crate::workspace::OwnerId;
 use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;

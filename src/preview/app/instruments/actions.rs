@@ -39,13 +39,20 @@ impl App {
     }
 
     /// Draws the instruments, if they are open.
-    pub(in crate::preview::app) fn instruments_ui(&mut self, ui: &mut Ui, sizes: &mut PanelSizes, actions: &mut Vec<Action>) {
+    /// `beside` is the width that the picture and the panel at its right have together.
+    pub(in crate::preview::app) fn instruments_ui(
+        &mut self,
+        ui: &mut Ui,
+        beside: f32,
+        sizes: &mut PanelSizes,
+        actions: &mut Vec<Action>,
+    ) {
         if !self.instruments.open {
             return;
         }
         let name = self.formula_name();
         let of = (self.parameters.selected(), name.as_str());
-        self.instruments.ui(ui, &self.workshop, of, sizes, actions);
+        self.instruments.ui(ui, (&self.workshop, of), beside, sizes, actions);
         let window = &mut self.user_state.settings.window;
         (window.instruments, window.instruments_at) = (self.instruments.open, self.instruments.dock);
     }

@@ -112,3 +112,17 @@ fn panels_get_their_sizes_back_when_there_is_room_again() {
     }
     assert_eq!(height(&mut harness, [1280.0, 900.0]), before);
 }
+
+#[test]
+fn charts_have_room_in_a_small_window() {
+    let mut harness = harness();
+    harness.state_mut().perform(Action::TogglePanel(PanelId::Instruments));
+    for (size, least) in [([900.0, 600.0], [300, 110]), ([1024.0, 640.0], [400, 140]), ([1280.0, 800.0], [300, 200])] {
+        harness.set_size(egui::vec2(size[0], size[1]));
+        harness.run_steps(6);
+        let chart = harness.state().instruments.chart_size();
+        assert!(chart[0] >= least[0] && chart[1] >= least[1], "{chart:?} at {size:?}");
+        let pane = harness.state().pane.area();
+        assert!(pane.width() >= 150.0 && pane.height() >= 120.0, "{pane:?} at {size:?}");
+    }
+}

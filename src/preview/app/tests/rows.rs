@@ -163,7 +163,7 @@ fn panels_keep_the_sizes_that_the_user_dragged() {
     let borders = |harness: &Harness<'_, App>| {
         let state = |name: &str| egui::panel::PanelState::load(&harness.ctx, egui::Id::new((name, false))).expect("a panel");
         let owners = egui::panel::PanelState::load(&harness.ctx, egui::Id::new("owners")).expect("a panel");
-        let [texts, parameters] = ["texts", "parameters"].map(|name| state(name).outer_rect);
+        let [texts, parameters] = [PanelSide::Texts, PanelSide::Parameters].map(|side| state(side.key()).outer_rect);
         let inside = egui::vec2(1.0, 0.0);
         [texts.right_center() - inside, parameters.left_center() + inside, owners.outer_rect.center_bottom()]
     };
@@ -191,7 +191,7 @@ fn panels_keep_the_sizes_that_the_user_dragged() {
     drop(harness);
     let harness = harness_in(Some(&folders));
     assert_eq!(sizes(&harness), after);
-    let texts = egui::panel::PanelState::load(&harness.ctx, egui::Id::new(("texts", false))).expect("a panel");
+    let texts = egui::panel::PanelState::load(&harness.ctx, egui::Id::new((PanelSide::Texts.key(), false))).expect("a panel");
     assert!((texts.size().x - after[0]).abs() < 2.0);
 }
 
