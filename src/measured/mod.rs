@@ -160,7 +160,7 @@ impl Measurement {
             return Err(Flaw::new(message).in_file(path));
         }
         file.take(format.largest.saturating_sub(bytes.len() as u64)).read_to_end(&mut bytes).map_err(unread)?;
-        (format.read)(&bytes).map_err(|flaw| flaw.in_file(path))
+        (format.read)(&bytes).map_err(|flaw| named_otherwise(path, format).unwrap_or(flaw).in_file(path))
     }
 
     /// What the bytes of a file hold. `file` is named in errors.
@@ -235,6 +235,14 @@ fn format_of(beginning: &[u8], length: u64) -> Result<&'static MeasuredFormat, F
         let hint = format!("measured materials are files of the formats {}", listed(&FORMATS));
         Flaw::new("it is of no known format").hint(hint)
     })
+}
+
+/// What is wrong with a file that has the name of one format, and contents like those of another.
+fn named_otherwise(path: &Path, format: &MeasuredFormat) -> Option<Flaw> {
+    let suffix = path.extension()?.to_str()?.to_lowercase();
+    let named = FORMATS.iter().find(|format| format.suffixes.contains(&suffix.as_str()))?;
+    let flaw = Flaw::new(format!("it is named as a file of the format {}, and does not have its contents", named.name));
+    (named.name != format.name).then(|| flaw.hint("a download may have failed: look at the file in a text editor"))
 }
 
 impl MeasuredMaterial {

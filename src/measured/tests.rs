@@ -375,3 +375,18 @@ fn samples_of_merl_files_are_found_near_any_directions() {
         }
     }
 }
+
+#[test]
+fn a_page_that_was_saved_as_a_material_is_told_from_one() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, format) in [("gold.binary", "MERL"), ("felt.bsdf", "RGL")] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, "<html><body>404 Not Found</body></html>").unwrap();
+        let error = Measurement::read(&path).unwrap_err();
+        assert!(error.to_string().contains(&format!("named as a file of the format {format}")), "{error}");
+    }
+    // A list may have any name that no other format has.
+    let path = folder.path().join("list.dat");
+    std::fs::write(&path, "0,0,0,0,0.1,0.1,0.1\n").unwrap();
+    Measurement::read(&path).unwrap();
+}
