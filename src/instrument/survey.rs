@@ -101,6 +101,12 @@ pub fn depends_on_azimuth(model: &dyn Reflectance, pairs: &[DirectionPair]) -> b
     differs(model, pairs, &model.values(pairs), &|pair, index| turned(pair, turn_of(index)))
 }
 
+/// Whether values of a few pairs change when both directions turn about the normal. That tells apart what an eye can.
+pub fn seems_to_depend_on_azimuth(model: &dyn Reflectance) -> bool {
+    let pairs: Vec<DirectionPair> = spread_pairs().into_iter().step_by(41).collect();
+    depends_on_azimuth(model, &pairs)
+}
+
 /// Whether values of pairs and of the same pairs in another way differ. `way` makes the other pair of one with this
 /// number.
 fn differs(

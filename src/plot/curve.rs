@@ -9,6 +9,14 @@ pub struct ChartHeading {
     pub subtitle: String,
 }
 
+impl ChartHeading {
+    /// Says more below the title.
+    pub fn add(&mut self, words: &str) {
+        let separator = if self.subtitle.is_empty() { "" } else { "; " };
+        self.subtitle.push_str(&format!("{separator}{words}"));
+    }
+}
+
 /// How the line of a curve is broken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dashes {

@@ -3,9 +3,8 @@
 use crate::instrument::albedo::albedos;
 use crate::instrument::direction::{angle_text, direction, pair};
 use crate::instrument::draft;
-use crate::instrument::expressions::spread_pairs;
 use crate::instrument::hemisphere::Integration;
-use crate::instrument::survey::{ModelSurvey, depends_on_azimuth};
+use crate::instrument::survey::{ModelSurvey, seems_to_depend_on_azimuth};
 use crate::instrument::view::settings::{NamedModel, ViewSettings};
 use crate::instrument::{DirectionPair, Reflectance};
 use crate::plot::{Chart, ChartAxis, MapChart, MapPanel, MapValues};
@@ -101,9 +100,7 @@ impl FurnaceTable {
 
     fn new(model: &dyn Reflectance, is_draft: bool) -> Self {
         if is_draft {
-            // Few pairs are enough to tell apart what an eye can.
-            let pairs: Vec<DirectionPair> = spread_pairs().into_iter().step_by(41).collect();
-            let steps = if depends_on_azimuth(model, &pairs) { [12, 8] } else { [12, 1] };
+            let steps = if seems_to_depend_on_azimuth(model) { [12, 8] } else { [12, 1] };
             let shares = draft::shares(model, Integration::OverLights, &Self::angles(steps));
             return Self { steps, shares, is_known: true, has_odd: false };
         }
@@ -159,8 +156,7 @@ pub(super) fn furnace(models: &[NamedModel], settings: &ViewSettings) -> Chart {
         };
         let mut name = ViewSettings::name_among(models, number);
         if name.is_empty() {
-            let separator = if heading.subtitle.is_empty() { "" } else { "; " };
-            heading.subtitle.push_str(&format!("{separator}the ball {told}"));
+            heading.add(&format!("the ball {told}"));
         } else {
             name = format!("{name} {told}");
         }

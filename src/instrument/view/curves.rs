@@ -1,7 +1,7 @@
 //! Views as curves: over the outgoing angle, and over the incoming angle.
 
 use crate::instrument::albedo::{EQUAL, albedos};
-use crate::instrument::direction::angle_text;
+use crate::instrument::direction::{STEEPEST, angle_text};
 use crate::instrument::draft;
 use crate::instrument::hemisphere::Integration;
 use crate::instrument::view::settings::{Component, ComponentPart, NamedModel, ViewSettings};
@@ -82,10 +82,9 @@ fn reflection_heading(models: &[NamedModel], polar: &[f64], settings: &ViewSetti
     } else {
         format!("Reflection in a plane {} from that of incidence", angle_text(settings.plane))
     };
-    let mut heading = settings.heading(&title);
+    let mut heading = settings.heading_at_azimuth(&title, models);
     if let ([angle], true) = (polar, models.len() > 1 || polar.len() == 1) {
-        let separator = if heading.subtitle.is_empty() { "" } else { "; " };
-        heading.subtitle.push_str(&format!("{separator}{}", incoming_name(*angle)));
+        heading.add(&incoming_name(*angle));
     }
     heading
 }
@@ -126,10 +125,10 @@ pub(super) fn cartesian(models: &[NamedModel], settings: &ViewSettings) -> Chart
 /// The incoming angles of the curve of shares.
 fn incoming(is_draft: bool) -> Vec<f64> {
     if is_draft {
-        return (0..=11).map(|step| 7.5 * f64::from(step)).chain([86.0, 88.5, 89.9]).collect();
+        return (0..=11).map(|step| 7.5 * f64::from(step)).chain([86.0, 88.5, 89.9, STEEPEST]).collect();
     }
     let mut angles: Vec<f64> = (0..=35).map(|step| 2.5 * f64::from(step)).collect();
-    angles.extend([88.5, 89.0, 89.5, 89.9]);
+    angles.extend([88.5, 89.0, 89.5, 89.9, STEEPEST]);
     angles
 }
 
@@ -178,7 +177,7 @@ pub(super) fn albedo(models: &[NamedModel], settings: &ViewSettings) -> Chart {
         }
     }
     Chart::Cartesian(CartesianChart {
-        heading: settings.heading("Share of the light that is reflected"),
+        heading: settings.heading_at_azimuth("Share of the light that is reflected", models),
         x: ChartAxis::angles("angle of the beam, or of the viewer, from the normal", [0.0, 90.0]),
         y: ChartAxis::numbers("share of the light", "", settings.is_log),
         curves,

@@ -59,7 +59,7 @@ pub(super) fn lobe(models: &[NamedModel], settings: &ViewSettings) -> Chart {
     let [title, unit] = settings.shown.title();
     let [azimuth, elevation] = settings.seen_from;
     Chart::Lobe(LobeChart {
-        heading: settings.heading("Reflection into all directions"),
+        heading: settings.heading_at_azimuth("Reflection into all directions", models),
         radius: ChartAxis::numbers(title, unit, settings.is_log),
         seen_from: [settings.light_azimuth + azimuth, elevation],
         is_draft: settings.is_draft,

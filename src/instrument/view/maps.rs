@@ -74,7 +74,7 @@ pub(super) fn reciprocity(models: &[NamedModel], settings: &ViewSettings) -> Cha
     let is_reciprocal = !greatest.copied().any(|difference| difference > 1e-3);
     let range = is_reciprocal.then_some([0.0, 0.01]);
     Chart::Map(MapChart {
-        heading: settings.heading("Reciprocity: the difference if light and viewer change places"),
+        heading: settings.heading_at_azimuth("Reciprocity: the difference if light and viewer change places", models),
         axes: Some(["angle of the light", "angle of the viewer"].map(|title| ChartAxis::angles(title, [0.0, 90.0]))),
         bar: ChartAxis { range, ..ChartAxis::numbers("relative difference", "", false) },
         panels,

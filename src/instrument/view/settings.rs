@@ -1,6 +1,7 @@
 //! What views are told: models with names, and what is shown of them.
 
-use crate::instrument::direction::{brdf, direction, luminance, pair};
+use crate::instrument::direction::{angle_text, brdf, direction, luminance, pair};
+use crate::instrument::survey::seems_to_depend_on_azimuth;
 use crate::instrument::{DirectionPair, Reflectance};
 use crate::plot::ChartHeading;
 use std::f64::consts::PI;
@@ -165,6 +166,15 @@ impl ViewSettings {
     /// The heading of a chart.
     pub(super) fn heading(&self, title: &str) -> ChartHeading {
         ChartHeading { title: title.to_owned(), subtitle: self.subtitle.clone() }
+    }
+
+    /// A title, and what stands below it for light from an azimuth: also that, if it matters.
+    pub(super) fn heading_at_azimuth(&self, title: &str, models: &[NamedModel]) -> ChartHeading {
+        let mut heading = self.heading(title);
+        if self.light_azimuth != 0.0 || models.iter().any(|model| seems_to_depend_on_azimuth(model.model.as_ref())) {
+            heading.add(&format!("azimuth {}", angle_text(self.light_azimuth)));
+        }
+        heading
     }
 
     /// What of several models stands for one: its name, if there are others.

@@ -94,3 +94,39 @@ fn one_viewer_has_the_numbers_of_every_light_and_model() {
         assert!(found.value.iter().all(|number| (number - value).abs() < 1e-6), "{found:?}");
     }
 }
+
+/// A mirror lobe that gives out too much in the last hundredth of a degree.
+fn spike(from: f64) -> NamedModel {
+    let least = from.to_radians().cos();
+    let model = move |light: glam::DVec3, view: glam::DVec3| if light.z.min(view.z) < least { 4.0 / PI } else { 0.2 / PI };
+    NamedModel { name: "spike".into(), model: Arc::new(ClosedForm(model)) }
+}
+
+#[test]
+fn a_share_above_1_at_the_last_angle_is_in_the_chart() {
+    for is_draft in [false, true] {
+        let settings = ViewSettings { is_draft, ..ViewSettings::default() };
+        let table = chart("albedo", &[spike(89.95)], &settings).table();
+        let last = table.rows.last().expect("a row");
+        assert!(last[0] > 89.98 && (last[1] - 4.0).abs() < 0.05, "{last:?}");
+        assert!(table.rows.iter().rev().skip(1).all(|row| row[1] < 0.3));
+    }
+}
+
+#[test]
+fn the_azimuth_is_told_where_it_matters() {
+    let stripes = ClosedForm(|light: glam::DVec3, view: glam::DVec3| {
+        let half = (light + view).normalize();
+        (0.5 + 0.4 * half.x * half.x) / PI
+    });
+    let stripes = NamedModel { name: "stripes".into(), model: Arc::new(stripes) };
+    let title = |view: &str, model: &NamedModel, light_azimuth: f64| {
+        let settings = ViewSettings { light_azimuth, ..ViewSettings::default() };
+        chart(view, std::slice::from_ref(model), &settings).figure([800, 600], ChartTheme::Light).title
+    };
+    for view in ["polar", "cartesian", "lobe", "albedo"] {
+        assert!(title(view, &stripes, 0.0).contains("azimuth 0°"), "{view}");
+        assert!(title(view, &stripes, 40.0).contains("azimuth 40°"), "{view}");
+        assert!(!title(view, &matte(0.5), 0.0).contains("azimuth"), "{view}");
+    }
+}
