@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 /// The size of a chart in pixels.
 const USUAL_SIZE: [u32; 2] = [800, 600];
 /// The least and the greatest side of a chart in pixels.
-const SIDES: [u32; 2] = [160, 8192];
+const SIDES: [u32; 2] = [180, 8192];
 /// The most models of a chart.
 const MOST_MODELS: usize = 8;
 
@@ -60,7 +60,7 @@ pub(super) struct Options {
     /// From where a lobe is seen: azimuth from the light's, and elevation from 5 to 90, in degrees [default: 115,26]
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = seen_from, allow_hyphen_values = true)]
     seen_from: Option<SeenFrom>,
-    /// Size in pixels, each side 160 to 8192 [default: 800x600]
+    /// Size in pixels, each side 180 to 8192 [default: 800x600]
     #[arg(long, value_name = "WxH", value_parser = side)]
     size: Option<ChartSize>,
     /// Draw on dark paper

@@ -2,7 +2,7 @@
 
 use crate::plot::axis::{ChartAxis, FittedAxis};
 use crate::plot::curve::{ChartHeading, Curve};
-use crate::plot::figure::{Anchor, Figure, FigureMark, Stroke};
+use crate::plot::figure::{Anchor, Figure, Stroke};
 use crate::plot::layout::{ChartArea, ChartSheet};
 use crate::plot::number_table::NumberTable;
 use crate::plot::theme::ChartTheme;
@@ -73,7 +73,7 @@ impl CartesianChart {
                 sheet.figure.line(piece, stroke.clone());
             }
         }
-        sheet.figure
+        sheet.finish()
     }
 
     fn draw_grid(&self, sheet: &mut ChartSheet, frame: &CartesianFrame) {
@@ -95,13 +95,10 @@ impl CartesianChart {
     }
 
     fn draw_titles(&self, sheet: &mut ChartSheet, frame: &CartesianFrame) {
-        let (size, colour) = (1.06 * sheet.label_size(), sheet.theme.text());
-        let middle = frame.area.left + 0.5 * frame.area.width;
+        let (size, area) = (sheet.title_size(), &frame.area);
         let below = sheet.area.bottom() - 0.4 * size;
-        sheet.figure.text(self.x.full_title(), [middle, below], Anchor::Middle, (size, colour));
-        let at = [sheet.area.left + size, frame.area.top + 0.5 * frame.area.height];
-        let text = self.y.full_title();
-        sheet.figure.marks.push(FigureMark::Text { at, anchor: Anchor::Middle, upwards: true, size, colour, text });
+        sheet.title(&self.x.full_title(), [area.left + 0.5 * area.width, below]);
+        sheet.upright_title(&self.y.full_title(), [sheet.area.left + size, area.top + 0.5 * area.height]);
     }
 
     /// The numbers: a column for the axis to the right, and one for each curve. Where curves have other places than the

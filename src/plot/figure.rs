@@ -2,6 +2,7 @@
 //! [`painted`](crate::plot::painted) write it.
 
 use crate::picture::Bitmap;
+use crate::plot::typeface::width;
 
 /// A colour and how much of it covers what is below.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -90,18 +91,8 @@ pub enum FigureMark {
     },
 }
 
-/// Behind this character, which no font has, one character of a text is small and low.
-pub(super) const SUBSCRIPT: char = '\u{e001}';
-
-/// A letter with a small low one behind it, as texts of charts have it.
-pub fn subscript(letter: &str, low: char) -> String {
-    format!("{letter}{SUBSCRIPT}{low}")
-}
-
-/// A text of a chart for where there are no small low letters.
-pub fn plain(text: &str) -> String {
-    text.chars().filter(|letter| *letter != SUBSCRIPT).collect()
-}
+/// The height of capital letters, in sizes of the font.
+const CAPITALS: f64 = 0.72;
 
 /// A drawing.
 #[derive(Debug, Clone, PartialEq)]
@@ -114,6 +105,36 @@ pub struct Figure {
     pub title: String,
     /// What is drawn, from back to front.
     pub marks: Vec<FigureMark>,
+}
+
+impl FigureMark {
+    /// The rectangle that a text takes: left, top, right and bottom. None for an empty text and for other marks.
+    pub(super) fn text_rectangle(&self) -> Option<[f64; 4]> {
+        let FigureMark::Text { text, at: [x, y], anchor, upwards, size, .. } = self else { return None };
+        if text.is_empty() {
+            return None;
+        }
+        let wide = width(text, *size);
+        let from = match anchor {
+            Anchor::Start => 0.0,
+            Anchor::Middle => -0.5 * wide,
+            Anchor::End => -wide,
+        };
+        Some(match upwards {
+            false => [x + from, y - CAPITALS * size, x + from + wide, *y],
+            true => [x - CAPITALS * size, y - from - wide, *x, y - from],
+        })
+    }
+}
+
+/// The texts of a figure, each with its rectangle.
+#[cfg(test)]
+pub fn text_rectangles(figure: &Figure) -> Vec<(String, [f64; 4])> {
+    let rectangle = |mark: &FigureMark| {
+        let FigureMark::Text { text, .. } = mark else { return None };
+        Some((crate::plot::typeface::plain(text), mark.text_rectangle()?))
+    };
+    figure.marks.iter().filter_map(rectangle).collect()
 }
 
 impl Figure {

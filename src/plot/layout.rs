@@ -1,7 +1,7 @@
 //! What all charts have: a heading, a legend below it, and the area that remains.
 
 use crate::plot::curve::{ChartHeading, Curve, Dashes};
-use crate::plot::figure::{Anchor, Figure, Stroke};
+use crate::plot::figure::{Anchor, Figure, FigureMark, Stroke};
 use crate::plot::theme::ChartTheme;
 use crate::plot::typeface::{shortened, width};
 
@@ -40,6 +40,11 @@ impl ChartArea {
     }
 }
 
+/// Whether two rectangles, each with its left, top, right and bottom, have more than an edge in common.
+fn overlap(one: &[f64; 4], other: &[f64; 4]) -> bool {
+    (0..2).all(|axis| one[axis] < other[axis + 2] - 1.0 && other[axis] < one[axis + 2] - 1.0)
+}
+
 /// A figure in work, with the area that is left of it.
 pub(super) struct ChartSheet {
     pub(super) figure: Figure,
@@ -47,6 +52,8 @@ pub(super) struct ChartSheet {
     /// Units of the figure for each unit of a chart of the usual size.
     pub(super) unit: f64,
     pub(super) area: ChartArea,
+    /// Labels, of which those are drawn that have room.
+    labels: Vec<FigureMark>,
 }
 
 impl ChartSheet {
@@ -59,7 +66,7 @@ impl ChartSheet {
         let figure = Figure::new(size, theme.paper(), &title);
         let margin = 18.0 * unit;
         let area = ChartArea { left: 0.0, top: 0.0, width, height }.without([margin, 14.0 * unit, margin, 12.0 * unit]);
-        let mut sheet = Self { figure, theme, unit, area };
+        let mut sheet = Self { figure, theme, unit, area, labels: Vec::new() };
         for (text, size, colour) in [(&heading.title, 20.0, theme.text()), (&heading.subtitle, 13.5, theme.muted())] {
             if text.is_empty() {
                 continue;
@@ -83,10 +90,53 @@ impl ChartSheet {
         0.35 * self.label_size()
     }
 
-    /// A label in the muted colour. Its middle is at this height.
+    /// A label in the muted colour. Its middle is at this height. It is left out where there is no room for it; earlier
+    /// ones have it first.
     pub(super) fn label(&mut self, text: impl Into<String>, [x, y]: [f64; 2], anchor: Anchor) {
-        let style = (self.label_size(), self.theme.muted());
-        self.figure.text(text, [x, y + self.to_baseline()], anchor, style);
+        let (size, colour, text) = (self.label_size(), self.theme.muted(), text.into());
+        let at = [x, y + self.to_baseline()];
+        self.labels.push(FigureMark::Text { at, anchor, upwards: false, size, colour, text });
+    }
+
+    /// The figure, without texts that would be cut off or overlap others.
+    pub(super) fn finish(self) -> Figure {
+        let Self { mut figure, labels, .. } = self;
+        let [width, height] = figure.size;
+        let mut taken: Vec<[f64; 4]> = Vec::new();
+        figure.marks.extend(labels);
+        figure.marks.retain(|mark| {
+            let Some(place) = mark.text_rectangle() else { return true };
+            let [left, top, right, bottom] = place;
+            let is_whole = left >= 0.0 && top >= 0.0 && right <= width && bottom <= height;
+            let has_room = is_whole && !taken.iter().any(|other| overlap(&place, other));
+            taken.extend(has_room.then_some(place));
+            has_room
+        });
+        figure
+    }
+
+    /// The size of the titles of axes.
+    pub(super) fn title_size(&self) -> f64 {
+        1.06 * self.label_size()
+    }
+
+    /// The title of an axis, on one line about this place. It stays on the sheet, and is shortened where it is too
+    /// long.
+    pub(super) fn title(&mut self, text: &str, [x, baseline]: [f64; 2]) {
+        let style = (self.title_size(), self.theme.text());
+        let text = shortened(text, style.0, self.area.width);
+        let half = 0.5 * width(&text, style.0).min(self.area.width);
+        let x = x.clamp(self.area.left + half, self.area.right() - half);
+        self.figure.text(text, [x, baseline], Anchor::Middle, style);
+    }
+
+    /// The title of an axis, upwards about this place. It is shortened where it is higher than the area.
+    pub(super) fn upright_title(&mut self, text: &str, [x, y]: [f64; 2]) {
+        let (size, colour) = (self.title_size(), self.theme.text());
+        let text = shortened(text, size, self.area.height);
+        let half = 0.5 * width(&text, size).min(self.area.height);
+        let at = [x, y.clamp(self.area.top + half, self.area.bottom() - half)];
+        self.figure.marks.push(FigureMark::Text { at, anchor: Anchor::Middle, upwards: true, size, colour, text });
     }
 
     /// Makes the area smaller from the top.

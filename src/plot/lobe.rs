@@ -3,12 +3,13 @@
 use crate::plot::axis::ChartAxis;
 use crate::plot::colours::mixed;
 use crate::plot::curve::ChartHeading;
-use crate::plot::figure::{Anchor, Figure, FigureMark, plain};
+use crate::plot::figure::{Anchor, Figure, FigureMark};
 use crate::plot::layout::ChartSheet;
 use crate::plot::number_table::NumberTable;
 use crate::plot::panels::{arranged, caption};
 use crate::plot::solid::{SolidCorner, SolidPicture, turned};
 use crate::plot::theme::ChartTheme;
+use crate::plot::typeface::{plain, shortened, width};
 use glam::{DVec2, DVec3};
 
 /// How long the arrow of the light is, where the greatest number is 1 long.
@@ -126,7 +127,7 @@ impl LobeChart {
         let points: Vec<DVec3> =
             surfaces.iter().flatten().copied().chain(all_around).chain(arrows).chain([DVec3::Z * NORMAL]).collect();
         let places = arranged(&sheet.area, self.lobes.len(), 1.3, margins);
-        for ((lobe, corners), area) in self.lobes.iter().zip(&surfaces).zip(places) {
+        for ((lobe, corners), area) in self.lobes.iter().zip(&surfaces).zip(places.areas) {
             let pixels = [area.width, area.height].map(|side| side.ceil().max(1.0) as u32);
             let mut picture = SolidPicture::new((pixels, self.is_draft), turn, &points, theme.paper());
             let rings: Vec<f64> = axis.ticks.iter().filter(|tick| !tick.label.is_empty()).map(|tick| place(tick.value)).collect();
@@ -136,29 +137,37 @@ impl LobeChart {
             picture.plane(rim, |at, pixel| plane_colour([at.x, at.y], [pixel, rim], &rings, theme));
             let (at, size) = ([area.left, area.top], [area.width, area.height]);
             sheet.figure.marks.push(FigureMark::Image { at, size, bitmap: picture.bitmap(), smooth: true });
-            for tick in axis.ticks.iter().filter(|tick| !tick.label.is_empty()) {
+            let on_sheet = |at: DVec3| {
+                let [x, y] = picture.share(at);
+                [area.left + x * area.width, area.top + y * area.height]
+            };
+            for (azimuth, name) in [(0.0, "T"), (90.0, "B")] {
+                let [x, y] = on_sheet(direction(90.0, azimuth) * (rim + 0.07));
+                sheet.figure.text(name, [x, y + sheet.to_baseline()], Anchor::Middle, (label, sheet.theme.text()));
+            }
+            // The outermost number comes first: it says the most if not all have room.
+            for tick in axis.ticks.iter().rev().filter(|tick| !tick.label.is_empty()) {
                 let radius = place(tick.value);
+                let [x, y] = on_sheet(direction(90.0, self.seen_from[0] - 20.0) * radius);
                 if radius > 0.12 && radius < rim {
-                    let [x, y] = picture.share(direction(90.0, self.seen_from[0] - 20.0) * radius);
-                    sheet.label(
-                        tick.label.as_str(),
-                        [area.left + x * area.width, area.top + y * area.height + 0.6 * label],
-                        Anchor::Middle,
-                    );
+                    sheet.label(tick.label.as_str(), [x, y + 0.6 * label], Anchor::Middle);
                 }
             }
-            for (azimuth, name) in [(0.0, "T"), (90.0, "B")] {
-                let [x, y] = picture.share(direction(90.0, azimuth) * (rim + 0.07));
-                let (size, colour) = (label, sheet.theme.text());
-                let at = [area.left + x * area.width, area.top + y * area.height + 0.35 * label];
-                sheet.figure.text(name, at, Anchor::Middle, (size, colour));
-            }
-            caption(&mut sheet, &area, &lobe.name);
+            caption(&mut sheet, &area, places.cell_width, &lobe.name);
         }
-        let text = format!("rings: {}; the arrow is the light; T and B: tangent and bitangent", self.radius.full_title());
         let at = [sheet.area.left + 0.5 * sheet.area.width, sheet.area.bottom() - 0.6 * label];
+        let text = self.legend(label, sheet.area.width);
         sheet.label(text, at, Anchor::Middle);
-        sheet.figure
+        sheet.finish()
+    }
+
+    /// What the signs in the drawing are, as much as a line of this width can say.
+    fn legend(&self, size: f64, widest: f64) -> String {
+        let rings = format!("rings: {}", self.radius.full_title());
+        let whole = format!("{rings}; the arrow is the light; T and B: tangent and bitangent");
+        let shorter = format!("{rings}; arrow: light");
+        let texts = [whole, shorter];
+        texts.into_iter().find(|text| width(text, size) <= widest).unwrap_or_else(|| shortened(&rings, size, widest))
     }
 
     /// The numbers: a row for each direction, with its angles and its numbers. The lobes have the same directions, or

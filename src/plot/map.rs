@@ -7,7 +7,7 @@ use crate::plot::curve::ChartHeading;
 use crate::plot::figure::{Anchor, Figure, FigureMark, Stroke};
 use crate::plot::layout::{ChartArea, ChartSheet};
 use crate::plot::number_table::NumberTable;
-use crate::plot::panels::{arranged, caption};
+use crate::plot::panels::{PanelPlaces, arranged, caption};
 use crate::plot::theme::ChartTheme;
 use crate::plot::typeface::width;
 
@@ -66,8 +66,8 @@ pub struct MapReading {
 
 /// Where everything is on a sheet.
 struct MapArrangement {
-    /// The place of each picture.
-    places: Vec<ChartArea>,
+    /// Where the pictures are.
+    places: PanelPlaces,
     /// The bar, if there are numbers.
     bar: Option<FittedAxis>,
     /// The width of the widest label of the bar.
@@ -104,7 +104,7 @@ impl MapChart {
         let mut sheet = ChartSheet::new(size, theme, &self.heading);
         let label = sheet.label_size();
         let MapArrangement { places, bar, widest, right: most } = self.arranged(&sheet);
-        for (panel, place) in self.panels.iter().zip(&places) {
+        for (panel, place) in self.panels.iter().zip(&places.areas) {
             let bitmap = panel.bitmap(bar.as_ref());
             // Few pixels stay squares; many blend.
             let smooth = place.width < 3.0 * f64::from(panel.size[0]);
@@ -113,24 +113,25 @@ impl MapChart {
             if let Some([x, y]) = &self.axes {
                 draw_axes(&mut sheet, place, x, y);
             }
-            caption(&mut sheet, place, &panel.name);
+            caption(&mut sheet, place, places.cell_width, &panel.name);
         }
         if let Some(bar) = bar {
             let (top, bottom) = places
+                .areas
                 .iter()
                 .fold((f64::INFINITY, 0.0_f64), |(top, bottom), place| (top.min(place.top), bottom.max(place.bottom())));
-            let right = places.iter().map(ChartArea::right).fold(0.0, f64::max);
+            let right = places.areas.iter().map(ChartArea::right).fold(0.0, f64::max);
             let left = (right + 1.6 * label).min(most);
             let place = ChartArea { left, top, width: 1.2 * label, height: bottom - top };
             self.draw_bar(&mut sheet, &place, &bar, widest);
         }
-        sheet.figure
+        sheet.finish()
     }
 
     /// What the drawing of this size shows at a point; none beside the pictures.
     pub fn reading(&self, size: [u32; 2], [x, y]: [f64; 2]) -> Option<MapReading> {
         // Places do not depend on colours.
-        let places = self.arranged(&ChartSheet::new(size, ChartTheme::Light, &self.heading)).places;
+        let places = self.arranged(&ChartSheet::new(size, ChartTheme::Light, &self.heading)).places.areas;
         let is_within = |place: &ChartArea| (place.left..place.right()).contains(&x) && (place.top..place.bottom()).contains(&y);
         let panel = places.iter().position(is_within)?;
         let (area, shown) = (places[panel], self.panels.get(panel)?);
@@ -249,12 +250,8 @@ fn draw_axes(sheet: &mut ChartSheet, place: &ChartArea, x: &ChartAxis, y: &Chart
         sheet.figure.line(vec![[place.left - 0.35 * label, at], [place.left, at]], Stroke::solid(frame, unit));
         sheet.label(tick.label.as_str(), [place.left - 0.6 * label, at], Anchor::End);
     }
-    let (size, colour) = (1.06 * label, sheet.theme.text());
-    let below = [place.left + 0.5 * place.width, place.bottom() + 2.9 * label];
-    sheet.figure.text(x.full_title(), below, Anchor::Middle, (size, colour));
-    let at = [place.left - 3.6 * label, place.top + 0.5 * place.height];
-    let text = y.full_title();
-    sheet.figure.marks.push(FigureMark::Text { at, anchor: Anchor::Middle, upwards: true, size, colour, text });
+    sheet.title(&x.full_title(), [place.left + 0.5 * place.width, place.bottom() + 2.9 * label]);
+    sheet.upright_title(&y.full_title(), [place.left - 3.6 * label, place.top + 0.5 * place.height]);
 }
 
 #[cfg(test)]

@@ -30,7 +30,9 @@ pub use cartesian::{CartesianChart, ReferenceLine};
 pub use chart::Chart;
 pub use colours::false_colour;
 pub use curve::{ChartHeading, Curve, Dashes};
-pub use figure::{Anchor, Figure, FigureMark, Ink, Stroke, plain, subscript};
+#[cfg(test)]
+pub use figure::text_rectangles;
+pub use figure::{Anchor, Figure, FigureMark, Ink, Stroke};
 pub use format::ChartFormat;
 pub use lobe::{Lobe, LobeChart};
 pub use map::{MapChart, MapPanel, MapPixel, MapReading, MapValues};
@@ -39,3 +41,4 @@ pub use polar::PolarChart;
 pub use raster::painted;
 pub use svg::svg;
 pub use theme::{CURVE_COLOURS, ChartTheme};
+pub use typeface::{plain, subscript};

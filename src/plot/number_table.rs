@@ -1,6 +1,6 @@
 //! The numbers of a chart as rows of text.
 
-use crate::plot::figure::SUBSCRIPT;
+use crate::plot::typeface::SUBSCRIPT;
 use std::fmt::Write;
 
 /// Columns of numbers and texts.

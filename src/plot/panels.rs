@@ -4,9 +4,17 @@ use crate::plot::figure::Anchor;
 use crate::plot::layout::{ChartArea, ChartSheet};
 use crate::plot::typeface::shortened;
 
+/// Where several pictures are.
+pub(super) struct PanelPlaces {
+    /// The area of each.
+    pub(super) areas: Vec<ChartArea>,
+    /// The width that each has for itself, with what is beside its area.
+    pub(super) cell_width: f64,
+}
+
 /// Places for `count` pictures whose width is `aspect` times their height, as large as possible, in reading order. Each
 /// keeps `margins` at the left, top, right and bottom for itself.
-pub(super) fn arranged(area: &ChartArea, count: usize, aspect: f64, margins: [f64; 4]) -> Vec<ChartArea> {
+pub(super) fn arranged(area: &ChartArea, count: usize, aspect: f64, margins: [f64; 4]) -> PanelPlaces {
     let count = count.max(1);
     let cell = |columns: usize| {
         let rows = count.div_ceil(columns);
@@ -29,13 +37,13 @@ pub(super) fn arranged(area: &ChartArea, count: usize, aspect: f64, margins: [f6
             height,
         }
     };
-    (0..count).map(place).collect()
+    PanelPlaces { areas: (0..count).map(place).collect(), cell_width: area.width / columns as f64 }
 }
 
-/// Writes the name of a picture above its place.
-pub(super) fn caption(sheet: &mut ChartSheet, place: &ChartArea, name: &str) {
-    let style = (1.06 * sheet.label_size(), sheet.theme.text());
-    let name = shortened(name, style.0, place.width.max(60.0 * sheet.unit));
+/// Writes the name of a picture above its place, within the width of its cell.
+pub(super) fn caption(sheet: &mut ChartSheet, place: &ChartArea, cell_width: f64, name: &str) {
+    let style = (sheet.title_size(), sheet.theme.text());
+    let name = shortened(name, style.0, (cell_width - sheet.label_size()).max(place.width));
     let at = [place.left + 0.5 * place.width, place.top - 0.6 * sheet.label_size()];
     sheet.figure.text(name, at, Anchor::Middle, style);
 }
@@ -47,10 +55,11 @@ mod tests {
     #[test]
     fn panels_are_as_large_as_possible() {
         let area = ChartArea { left: 0.0, top: 0.0, width: 400.0, height: 200.0 };
-        let two = arranged(&area, 2, 1.0, [0.0; 4]);
+        let PanelPlaces { areas: two, cell_width } = arranged(&area, 2, 1.0, [0.0; 4]);
+        assert_eq!(cell_width, 200.0);
         assert_eq!(two[0], ChartArea { left: 0.0, top: 0.0, width: 200.0, height: 200.0 });
         assert_eq!(two[1], ChartArea { left: 200.0, top: 0.0, width: 200.0, height: 200.0 });
-        let five = arranged(&area, 5, 1.0, [0.0, 20.0, 0.0, 0.0]);
+        let five = arranged(&area, 5, 1.0, [0.0, 20.0, 0.0, 0.0]).areas;
         assert!(five.len() == 5 && five.iter().all(|place| place.right() <= 400.0 && place.bottom() <= 200.0));
     }
 }

@@ -7,6 +7,7 @@ use crate::plot::figure::{Anchor, Figure, Ink, Stroke};
 use crate::plot::layout::ChartSheet;
 use crate::plot::number_table::NumberTable;
 use crate::plot::theme::ChartTheme;
+use crate::plot::typeface::width;
 
 /// Curves over an angle from −90 to 90 degrees, measured from upwards to the right.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -74,7 +75,7 @@ impl PolarChart {
                 }
             }
         }
-        sheet.figure
+        sheet.finish()
     }
 
     fn draw_grid(&self, sheet: &mut ChartSheet, disc: &HalfDisc) {
@@ -98,7 +99,10 @@ impl PolarChart {
         let mut rim = disc.arc(1.0);
         rim.extend([disc.at(-90.0, 1.0)]);
         sheet.figure.line(rim, Stroke::solid(theme.frame(), unit));
-        for degrees in (-90..=90).step_by(15) {
+        // The numbers stand along the rim, so they need that much of it.
+        let has_room = |step: &usize| disc.radius * (*step as f64).to_radians() > 1.9 * label;
+        let step = [15, 30, 45].into_iter().find(has_room).unwrap_or(90);
+        for degrees in (-90..=90).step_by(step) {
             let [x, y] = disc.at(f64::from(degrees), 1.0);
             let (sine, cosine) = f64::from(degrees).to_radians().sin_cos();
             let anchor = if degrees == 0 {
@@ -122,12 +126,13 @@ impl PolarChart {
             sheet.figure.line(vec![[x, y], [x, y + 0.35 * label]], Stroke::solid(sheet.theme.frame(), sheet.unit));
             sheet.label(tick.label.as_str(), [x, y + 1.1 * label], Anchor::Middle);
         }
-        let (size, colour) = (1.06 * label, sheet.theme.text());
-        let y = disc.middle[1] + 2.9 * label;
-        let right = disc.middle[0] + 0.5 * disc.radius;
-        sheet.figure.text(self.radius.full_title(), [right, y], Anchor::Middle, (size, colour));
-        let left = disc.middle[0] - 0.5 * disc.radius;
-        sheet.figure.text(self.angle.title.as_str(), [left, y], Anchor::Middle, (size, colour));
+        let (title, y) = (self.radius.full_title(), disc.middle[1] + 2.9 * label);
+        sheet.title(&title, [disc.middle[0] + 0.5 * disc.radius, y]);
+        // The numbers at the rim say that they are angles.
+        let both = [title.as_str(), &self.angle.title].map(|text| width(text, sheet.title_size())).iter().sum::<f64>();
+        if 0.5 * both + label < disc.radius {
+            sheet.title(&self.angle.title, [disc.middle[0] - 0.5 * disc.radius, y]);
+        }
     }
 
     /// The numbers: a column for the angle, and one for each curve.

@@ -1,8 +1,8 @@
 //! Figures as SVG.
 
 use crate::picture::{Bitmap, Format, bitmap_file_bytes};
-use crate::plot::figure::{Anchor, Figure, FigureMark, Ink, SUBSCRIPT, Stroke};
-use crate::plot::typeface::{SUBSCRIPT_DROP, SUBSCRIPT_SIZE};
+use crate::plot::figure::{Anchor, Figure, FigureMark, Ink, Stroke};
+use crate::plot::typeface::{SUBSCRIPT, SUBSCRIPT_DROP, SUBSCRIPT_SIZE};
 use std::fmt::Write;
 
 /// The fonts that show texts, the built-in one first.

@@ -1,9 +1,21 @@
 //! The built-in fonts: how wide texts are, and the outlines of their letters.
 
-use crate::plot::figure::SUBSCRIPT;
 use ab_glyph::{Font, FontRef, GlyphId, OutlineCurve, Point};
 use epaint_default_fonts::{HACK_REGULAR, UBUNTU_LIGHT};
 use std::sync::LazyLock;
+
+/// Behind this character, which no font has, one character of a text is small and low.
+pub(super) const SUBSCRIPT: char = '\u{e001}';
+
+/// A letter with a small low one behind it, as texts of charts have it.
+pub fn subscript(letter: &str, low: char) -> String {
+    format!("{letter}{SUBSCRIPT}{low}")
+}
+
+/// A text of a chart for where there are no small low letters.
+pub fn plain(text: &str) -> String {
+    text.chars().filter(|letter| *letter != SUBSCRIPT).collect()
+}
 
 /// How large a subscript is, as a part of the size of the text.
 pub(super) const SUBSCRIPT_SIZE: f64 = 0.72;

@@ -130,7 +130,7 @@ fn mistakes_are_explained() {
     says("model.txt --view polar -o a", 2, &["does not say by a suffix"]);
     says("model.txt --view polar -o no/a.png", 2, &["the folder `no` does not exist"]);
     says("model.txt --view polar --theta 0,95 -o a.png", 2, &["expected an angle from 0 to 89.99 degrees"]);
-    says("model.txt --view polar --size 9x9 -o a.png", 2, &["each side 160 to 8192"]);
+    says("model.txt --view polar --size 9x9 -o a.png", 2, &["each side 180 to 8192"]);
     says("session.toml --body bal --view polar -o a.png", 2, &["there is no body `bal`", "did you mean `ball`?"]);
     says("session.toml --light sun --view polar -o a.png", 2, &["there is no light `sun`", "the names are key"]);
     says("model.txt --set kx=1 --view polar -o a.png", 2, &["`kx` is not a parameter of the formula", "are kd, ks, h,"]);
@@ -181,9 +181,9 @@ fn a_measured_material_is_drawn_beside_a_formula() {
 #[test]
 fn a_chart_goes_to_a_pipe() {
     let folder = folder();
-    let output = run(folder.path(), "plot model.txt --view cartesian --size 200x160 -o -");
+    let output = run(folder.path(), "plot model.txt --view cartesian --size 200x180 -o -");
     let picture = image::load_from_memory(&output.stdout).expect("a picture");
-    assert_eq!((picture.width(), picture.height(), output.status.code()), (200, 160, Some(0)));
+    assert_eq!((picture.width(), picture.height(), output.status.code()), (200, 180, Some(0)));
 }
 
 /// Whether a text is well-formed XML, as far as elements, attributes and references go.

@@ -1,6 +1,6 @@
 use super::{Component, InstrumentView, NamedModel, Shown, VIEWS, ViewSettings, readings};
 use crate::instrument::tests::{ClosedForm, ggx};
-use crate::plot::{Chart, ChartTheme, MapValues, painted, svg};
+use crate::plot::{Chart, ChartTheme, MapValues, painted, svg, text_rectangles};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -92,6 +92,51 @@ fn one_viewer_has_the_numbers_of_every_light_and_model() {
         assert_eq!((found.model, found.light), (model, light));
         assert!(found.brdf.iter().all(|number| (number - brdf).abs() < 1e-6), "{found:?}");
         assert!(found.value.iter().all(|number| (number - value).abs() < 1e-6), "{found:?}");
+    }
+}
+
+/// How some texts begin that a chart of any view must have.
+fn needed(view: &str) -> &'static [&'static str] {
+    match view {
+        "polar" => &["BRDF (1/sr)", "0°", "90°", "−90°"],
+        "cartesian" => &["BRDF (1/sr)", "outgoing angle", "0°", "90°"],
+        "lobe" => &["rings: BRDF (1/sr)", "T", "B"],
+        "slice" => &["half angle", "difference angle", "0°", "90°"],
+        "albedo" => &["share of the light", "angle of the beam", "0°", "90°", "1"],
+        "reciprocity" => &["angle of the light", "angle of the viewer", "relative difference"],
+        _ => &[],
+    }
+}
+
+#[test]
+fn no_text_is_cut_or_overlaps_another() {
+    let rough = |name: &str| NamedModel { name: name.into(), model: Arc::new(ClosedForm(ggx(0.3))) };
+    let models = [rough("rough, floor under left"), matte(0.5), rough("another")];
+    let settings = ViewSettings { is_draft: true, ..ViewSettings::default() };
+    for view in &VIEWS {
+        for count in 1..=models.len() {
+            let chart = view.chart(&models[..count], &settings);
+            for size in [[180, 180], [240, 180], [320, 240], [420, 200], [900, 340], [200, 600]] {
+                let figure = chart.figure(size, ChartTheme::Light);
+                let (texts, mut words) = (text_rectangles(&figure), Vec::new());
+                for (index, (text, one)) in texts.iter().enumerate() {
+                    let about = format!("{} of {count} at {size:?}: {text}", view.name);
+                    let [width, height] = size.map(f64::from);
+                    assert!(one[0] >= 0.0 && one[1] >= 0.0 && one[2] <= width && one[3] <= height, "{about} is cut, {one:?}");
+                    for (other_text, other) in &texts[index + 1..] {
+                        let apart = (0..2).any(|axis| one[axis] > other[axis + 2] - 1.0 || other[axis] > one[axis + 2] - 1.0);
+                        assert!(apart, "{about} and {other_text} overlap, {one:?} {other:?}");
+                    }
+                    words.push(text.as_str());
+                }
+                // What is needed to read the chart is there.
+                if size[0] >= 320 && size[1] >= 240 {
+                    for wanted in needed(view.name) {
+                        assert!(words.iter().any(|text| text.starts_with(wanted)), "{} at {size:?}: no {wanted}", view.name);
+                    }
+                }
+            }
+        }
     }
 }
 

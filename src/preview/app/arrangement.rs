@@ -1,7 +1,8 @@
 //! Where the panels of the window are: texts at the left, parameters at the right, and the inspector, the instruments
 //! and the panel for fits around the picture. What is in them is known in their own modules.
 //!
-//! Panels below the picture are as wide as the picture. Where that is too narrow for them, they are below the texts, too.
+//! Panels below the picture are as wide as the picture. Where that is too narrow for them, they are below the texts,
+//! too.
 
 use crate::preview::app::panel_sizes::{remember, wanted_size};
 use crate::preview::app::{Action, App};

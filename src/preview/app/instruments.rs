@@ -196,8 +196,8 @@ impl InstrumentPanel {
         if fits_right(width) { self.dock } else { InstrumentDock::Below }
     }
 
-    /// Draws the panel below the picture: choices at the left of the chart. `fits_right` says whether it could be at the
-    /// right of the picture.
+    /// Draws the panel below the picture: choices at the left of the chart. `fits_right` says whether it could be at
+    /// the right of the picture.
     fn below_ui(
         &mut self,
         ui: &mut Ui,
