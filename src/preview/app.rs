@@ -311,6 +311,7 @@ impl App {
             self.sensitivity.legend_ui(ui, &self.pane);
             self.inspector.mark(ui, &self.pane.placement(&self.workshop), self.pane.area());
         });
+        self.instruments_over_ui(ui.ctx(), &mut actions);
         self.confirmation.ui(ui.ctx(), &mut actions);
         gallery::gallery_ui(self, ui.ctx(), &mut actions);
         self.make_thumbnails(ui.ctx().pixels_per_point());

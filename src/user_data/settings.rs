@@ -93,17 +93,20 @@ pub enum InstrumentDock {
     Below,
     /// At the right of the picture.
     Right,
+    /// Over the picture, in a window that can be moved.
+    Over,
 }
 
 impl InstrumentDock {
     /// Every place.
-    pub const ALL: [InstrumentDock; 2] = [InstrumentDock::Below, InstrumentDock::Right];
+    pub const ALL: [InstrumentDock; 3] = [InstrumentDock::Below, InstrumentDock::Right, InstrumentDock::Over];
 
     /// The name in the file.
     pub fn name(self) -> &'static str {
         match self {
             InstrumentDock::Below => "below",
             InstrumentDock::Right => "right",
+            InstrumentDock::Over => "over",
         }
     }
 }

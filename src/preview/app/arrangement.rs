@@ -75,8 +75,8 @@ impl App {
 
     /// Whether a panel is below the picture, if picture and instruments have this width together.
     fn has_panel_below(&self, width: f32) -> bool {
-        let at_right = self.instruments.open && self.instruments.dock_within(width) == InstrumentDock::Right;
-        !at_right && (self.inspector.open || self.instruments.open || self.fitting.open)
+        let dock = Some(self.instruments.dock_within(width)).filter(|_| self.instruments.open);
+        dock != Some(InstrumentDock::Right) && (self.inspector.open || self.fitting.open || dock == Some(InstrumentDock::Below))
     }
 
     /// Draws the texts. The picture keeps some room, and so does a panel that follows, if it needs `others`.

@@ -9,6 +9,7 @@ mod controls;
 mod hit;
 mod legend;
 mod overlays;
+mod placement;
 mod plots;
 mod reading_words;
 mod sheet;
@@ -21,18 +22,16 @@ use crate::instrument::measurement::ModelMeasurement;
 use crate::instrument::model::{Place, reads_coordinates};
 use crate::instrument::view::{LightUse, NamedModel, ViewSettings};
 use crate::plot::ChartTheme;
-use crate::preview::app::panel_sizes::{remember, wanted_size};
 use crate::preview::app::{Action, InstrumentAction};
 use crate::preview::latest::LatestWorker;
 use crate::preview::workshop::Workshop;
 use crate::scene::{BodyId, LightId};
-use crate::user_data::settings::{InstrumentDock, PanelSide, PanelSizes, WindowSettings};
+use crate::user_data::settings::{InstrumentDock, WindowSettings};
 use crate::workspace::OwnerId;
 use chart_pane::theme_of;
 use controls::ChartControls;
 use egui::text::{LayoutJob, TextWrapping};
-use egui::{Align, Button, CentralPanel, FontSelection, Frame, Galley, Id, Label, Layout, Margin, Panel, RichText};
-use egui::{ScrollArea, TextureHandle, Ui};
+use egui::{Align, Button, FontSelection, Galley, Label, Layout, RichText, TextureHandle, Ui};
 use legend::CurveLegend;
 use overlays::Overlays;
 use sheet::{DrawnChart, SheetRequest};
@@ -40,21 +39,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use verdict::VerdictWords;
 
-/// The least height of the panel below the picture, in points.
-const LEAST_HEIGHT: f32 = 180.0;
-/// The least width of the panel at the right of the picture, and of the picture then, in points.
-const LEAST_WIDTH: f32 = 220.0;
-const LEAST_PICTURE_WIDTH: f32 = 150.0;
-/// At least this wide, choices and models have a column each.
-const TWO_COLUMNS: f32 = 360.0;
-/// The most of the height that choices above the chart take.
-const MOST_CHOICES: f32 = 0.45;
-/// The least height that is left for the picture, in points.
-const LEAST_PICTURE: f32 = 250.0;
 /// A panel that is less high than this, in points, is low.
 const LOW: f32 = 420.0;
-/// The width of the choices beside the chart, in points.
-const CONTROLS_WIDTH: f32 = 178.0;
 /// A verdict that takes longer waits until the slider is let go.
 const QUICK_VERDICT: Duration = Duration::from_millis(120);
 
@@ -92,6 +78,8 @@ pub(super) struct InstrumentPanel {
     pub(super) open: bool,
     /// Where the user wants it.
     pub(super) dock: InstrumentDock,
+    /// Whether it was over the picture in the last frame.
+    was_over: bool,
     controls: ChartControls,
     legend: CurveLegend,
     body: Option<BodyId>,
@@ -133,6 +121,7 @@ impl InstrumentPanel {
         Self {
             open: settings.instruments,
             dock: settings.instruments_at,
+            was_over: false,
             controls: ChartControls::default(),
             legend: CurveLegend::default(),
             body: None,
@@ -169,93 +158,6 @@ impl InstrumentPanel {
         self.controls.place_at(place.coordinates);
         (self.body, self.light) = (Some(place.body), Some(place.light));
         self.place = Some(place);
-    }
-
-    /// Draws the panel below the picture or at its right, with the current values. `selected` is the owner whose values
-    /// are in view. `beside` is the width that the picture and the panel at its right have together.
-    pub(super) fn ui(
-        &mut self,
-        ui: &mut Ui,
-        (workshop, (selected, formula)): (&Workshop, (OwnerId, &str)),
-        beside: f32,
-        sizes: &mut PanelSizes,
-        actions: &mut Vec<Action>,
-    ) {
-        if !self.open {
-            return;
-        }
-        self.follow(workshop, selected, formula);
-        match self.dock_within(beside) {
-            InstrumentDock::Below => self.below_ui(ui, (workshop, fits_right(beside)), sizes, actions),
-            InstrumentDock::Right => self.right_ui(ui, workshop, sizes, actions),
-        }
-    }
-
-    /// Where the panel is, if picture and panel have this width together: not at the right if that is too narrow.
-    pub(super) fn dock_within(&self, width: f32) -> InstrumentDock {
-        if fits_right(width) { self.dock } else { InstrumentDock::Below }
-    }
-
-    /// Draws the panel below the picture: choices at the left of the chart. `fits_right` says whether it could be at
-    /// the right of the picture.
-    fn below_ui(
-        &mut self,
-        ui: &mut Ui,
-        (workshop, fits_right): (&Workshop, bool),
-        sizes: &mut PanelSizes,
-        actions: &mut Vec<Action>,
-    ) {
-        let room = ui.available_height();
-        // The picture keeps some, too.
-        let most = (room - LEAST_PICTURE).min(0.62 * room).max(LEAST_HEIGHT);
-        let id = Id::new("instruments");
-        let size = wanted_size(ui.ctx(), id, PanelSide::Instruments, sizes);
-        let panel = Panel::bottom(id).resizable(true).default_size(size);
-        panel.size_range(LEAST_HEIGHT..=most).show(ui, |ui| {
-            self.header_ui(ui, workshop, fits_right);
-            ui.horizontal_wrapped(|ui| self.controls.views_ui(ui));
-            ui.add_space(2.0);
-            let side = Panel::left("instrument controls").resizable(false).exact_size(CONTROLS_WIDTH);
-            side.frame(Frame::NONE.inner_margin(Margin { left: 0, right: 8, top: 4, bottom: 0 })).show(ui, |ui| {
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    self.choices_ui(ui);
-                    ui.separator();
-                    self.models_ui(ui, actions);
-                });
-            });
-            CentralPanel::default()
-                .frame(Frame::NONE.inner_margin(Margin { left: 8, right: 0, top: 2, bottom: 0 }))
-                .show(ui, |ui| self.chart_ui(ui));
-        });
-        remember(ui.ctx(), id, PanelSide::Instruments, sizes);
-    }
-
-    /// Draws the panel at the right of the picture: choices above the chart.
-    fn right_ui(&mut self, ui: &mut Ui, workshop: &Workshop, sizes: &mut PanelSizes, actions: &mut Vec<Action>) {
-        let most = (ui.available_width() - LEAST_PICTURE_WIDTH).max(LEAST_WIDTH);
-        let id = Id::new("instruments at the right");
-        let size = wanted_size(ui.ctx(), id, PanelSide::InstrumentsAtRight, sizes);
-        let panel = Panel::right(id).resizable(true).default_size(size);
-        panel.size_range(LEAST_WIDTH..=most).show(ui, |ui| {
-            self.header_ui(ui, workshop, true);
-            ui.horizontal_wrapped(|ui| self.controls.views_ui(ui));
-            ui.separator();
-            let choices = ScrollArea::vertical().auto_shrink([false, true]).max_height(MOST_CHOICES * ui.available_height());
-            choices.show(ui, |ui| {
-                if ui.available_width() < TWO_COLUMNS {
-                    self.choices_ui(ui);
-                    ui.separator();
-                    return self.models_ui(ui, actions);
-                }
-                ui.columns(2, |columns| {
-                    self.choices_ui(&mut columns[0]);
-                    self.models_ui(&mut columns[1], actions);
-                });
-            });
-            ui.separator();
-            self.chart_ui(ui);
-        });
-        remember(ui.ctx(), id, PanelSide::InstrumentsAtRight, sizes);
     }
 
     /// Takes the formula and its values, and asks for a verdict on them.
@@ -314,17 +216,7 @@ impl InstrumentPanel {
                 if ui.small_button("×").on_hover_text("Close the instruments (Ctrl+I)").clicked() {
                     self.open = false;
                 }
-                let (name, other, about) = match self.dock {
-                    InstrumentDock::Below => ("To the right", InstrumentDock::Right, "at the right of the picture"),
-                    InstrumentDock::Right => ("Below", InstrumentDock::Below, "below the picture"),
-                };
-                let can_move = fits_right || self.dock == InstrumentDock::Right;
-                let button = ui.add_enabled(can_move, Button::new(name).small());
-                let button = button.on_hover_text(format!("Put the instruments {about}"));
-                let why = "There is no room at the right of the picture: make the window wider, or a panel narrower";
-                if button.on_disabled_hover_text(why).clicked() {
-                    self.dock = other;
-                }
+                self.place_menu(ui, fits_right);
                 ui.with_layout(Layout::left_to_right(Align::Min), |ui| {
                     if workshop.formula().parameter_ids().next().is_none() {
                         return;
@@ -474,9 +366,4 @@ fn in_rows(ui: &Ui, text: RichText, rows: usize) -> Arc<Galley> {
     text.append_to(&mut job, ui.style(), FontSelection::Default, Align::Center);
     job.wrap = TextWrapping { max_width: ui.available_width(), max_rows: rows, ..TextWrapping::default() };
     ui.fonts_mut(|fonts| fonts.layout_job(job))
-}
-
-/// Whether there is room for the panel at the right of the picture, if both have this width together.
-fn fits_right(width: f32) -> bool {
-    width >= LEAST_WIDTH + LEAST_PICTURE_WIDTH
 }

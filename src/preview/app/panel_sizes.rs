@@ -12,8 +12,12 @@ fn border(panel: Id) -> Id {
 /// Whether the size of a side is a width, 0, or a height, 1.
 fn axis(side: PanelSide) -> usize {
     match side {
-        PanelSide::Texts | PanelSide::Parameters | PanelSide::InstrumentsAtRight => 0,
-        PanelSide::Owners | PanelSide::Inspector | PanelSide::Instruments | PanelSide::Fitting => 1,
+        PanelSide::Texts | PanelSide::Parameters | PanelSide::InstrumentsAtRight | PanelSide::InstrumentsOverWidth => 0,
+        PanelSide::Owners
+        | PanelSide::Inspector
+        | PanelSide::Instruments
+        | PanelSide::InstrumentsOverHeight
+        | PanelSide::Fitting => 1,
     }
 }
 

@@ -17,19 +17,25 @@ pub enum PanelSide {
     Instruments,
     /// The width of the instruments at the right of the picture.
     InstrumentsAtRight,
+    /// The width of the instruments over the picture.
+    InstrumentsOverWidth,
+    /// The height of the instruments over the picture.
+    InstrumentsOverHeight,
     /// The height of the panel for fits.
     Fitting,
 }
 
 impl PanelSide {
     /// Every side.
-    pub const ALL: [PanelSide; 7] = [
+    pub const ALL: [PanelSide; 9] = [
         PanelSide::Texts,
         PanelSide::Parameters,
         PanelSide::Owners,
         PanelSide::Inspector,
         PanelSide::Instruments,
         PanelSide::InstrumentsAtRight,
+        PanelSide::InstrumentsOverWidth,
+        PanelSide::InstrumentsOverHeight,
         PanelSide::Fitting,
     ];
 
@@ -42,6 +48,8 @@ impl PanelSide {
             PanelSide::Inspector => "inspector_height",
             PanelSide::Instruments => "instruments_height",
             PanelSide::InstrumentsAtRight => "instruments_width",
+            PanelSide::InstrumentsOverWidth => "instruments_over_width",
+            PanelSide::InstrumentsOverHeight => "instruments_over_height",
             PanelSide::Fitting => "fitting_height",
         }
     }
@@ -60,6 +68,8 @@ impl PanelSide {
             PanelSide::Inspector => 240.0,
             PanelSide::Instruments => 380.0,
             PanelSide::InstrumentsAtRight => 420.0,
+            PanelSide::InstrumentsOverWidth => 380.0,
+            PanelSide::InstrumentsOverHeight => 400.0,
             PanelSide::Fitting => 320.0,
         }
     }

@@ -295,8 +295,9 @@ fn dock(value: Value) -> Result<InstrumentDock, Diagnostic> {
     let names = InstrumentDock::ALL.map(InstrumentDock::name);
     InstrumentDock::ALL.into_iter().find(|dock| dock.name() == text).ok_or_else(|| {
         let hint = nearest(text, names).map(|near| format!("did you mean \"{near}\"?"));
+        let expected = names.map(|name| format!("\"{name}\"")).join(" or ");
         Diagnostic::error(format!("the instruments cannot be at \"{text}\""))
-            .at(value.span, "expected \"below\" or \"right\"")
+            .at(value.span, format!("expected {expected}"))
             .help_if(hint)
     })
 }

@@ -334,7 +334,8 @@ fn two_programs_keep_each_others_changes() {
     other.save(&second).unwrap();
     let settings = SettingsFile::new(&folders).read().settings;
     assert_eq!((settings.depth, settings.window.theme, settings.window.log), (9, ThemeSetting::Dark, false));
-    assert_eq!(PanelSide::ALL.map(|side| settings.window.panels.get(side)), [500.0, 310.0, 99.0, 240.0, 380.0, 420.0, 320.0]);
+    let sizes = PanelSide::ALL.map(|side| settings.window.panels.get(side));
+    assert_eq!(sizes, [500.0, 310.0, 99.0, 240.0, 380.0, 420.0, 380.0, 400.0, 320.0]);
     assert_eq!(settings.defaults.of(Predefined::Reflection), [0.5]);
     assert_eq!(settings.defaults.of(Predefined::Refraction), [0.25]);
 }
@@ -391,7 +392,7 @@ fn any_settings() -> impl Strategy<Value = Settings> {
             panels.set(PanelSide::Texts, scale * 100.0);
             panels.set(PanelSide::Inspector, scale);
             let size_of_window = window;
-            let instruments_at = InstrumentDock::ALL[usize::from(srgb)];
+            let instruments_at = InstrumentDock::ALL[usize::from(srgb) + usize::from(log)];
             let window = WindowSettings {
                 theme,
                 scale,

@@ -11,7 +11,7 @@ use crate::preview::app::tab::TextTab;
 use crate::preview::app::{Action, App, InstrumentAction};
 use crate::user_data::settings::PanelSizes;
 use crate::workspace::{Location, measured_files};
-use egui::Ui;
+use egui::{Context, Ui};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -54,6 +54,13 @@ impl App {
         let of = (self.parameters.selected(), name.as_str());
         self.instruments.ui(ui, (&self.workshop, of), beside, sizes, actions);
         let window = &mut self.user_state.settings.window;
+        (window.instruments, window.instruments_at) = (self.instruments.open, self.instruments.dock);
+    }
+
+    /// Draws the instruments over the picture, if they are there.
+    pub(in crate::preview::app) fn instruments_over_ui(&mut self, context: &Context, actions: &mut Vec<Action>) {
+        let window = &mut self.user_state.settings.window;
+        self.instruments.over_ui(context, (&self.workshop, self.pane.area()), &mut window.panels, actions);
         (window.instruments, window.instruments_at) = (self.instruments.open, self.instruments.dock);
     }
 

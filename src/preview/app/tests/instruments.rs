@@ -211,6 +211,52 @@ fn coordinates_are_asked_for_if_the_formula_reads_them() {
     assert!(said.contains("light 0°: BRDF (0.07958, 0.2387, 0.3183), value (0.25, 0.75, 1)"), "{said}");
 }
 
+/// Puts the instruments somewhere by their menu.
+fn put(harness: &mut Harness<'_, App>, place: &str) {
+    harness.get_by_label("Place").click();
+    harness.run_steps(4);
+    harness.get_by_label(place).click();
+    harness.run_steps(4);
+}
+
+#[test]
+fn the_panel_can_be_over_the_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let folders = Folders::below(folder.path());
+    let mut harness = harness_in(Some(&folders));
+    harness.set_size(egui::vec2(1400.0, 900.0));
+    harness.state_mut().perform(Action::TogglePanel(PanelId::Instruments));
+    settle_instruments(&mut harness);
+    put(&mut harness, "Over the picture");
+    settle_instruments(&mut harness);
+    harness.get_by_label("Choices").click();
+    harness.run_steps(20);
+    let (pane, keep) = (harness.state().pane.area(), harness.get_by_label("Keep").rect());
+    assert!(pane.contains_rect(keep), "{keep} {pane}");
+    // It takes no room from the picture.
+    harness.state_mut().perform(Action::TogglePanel(PanelId::Instruments));
+    harness.run_steps(4);
+    assert_eq!(harness.state().pane.area(), pane);
+    harness.state_mut().perform(Action::TogglePanel(PanelId::Instruments));
+    harness.run_steps(4);
+    // The scene is led beside it, and not under it.
+    for (at, leads) in [(keep.left_top() - egui::vec2(2.0, 2.0), false), (pane.left_top() + egui::vec2(40.0, 60.0), true)] {
+        harness.drag_at(at);
+        harness.run_steps(2);
+        harness.hover_at(at + egui::vec2(12.0, 9.0));
+        harness.run_steps(2);
+        assert_eq!(harness.state().workshop.moving().is_some(), leads);
+        harness.drop_at(at + egui::vec2(12.0, 9.0));
+        harness.run_steps(2);
+    }
+    harness.state_mut().closing();
+    drop(harness);
+    let mut harness = harness_in(Some(&folders));
+    harness.set_size(egui::vec2(1400.0, 900.0));
+    settle_instruments(&mut harness);
+    assert!(harness.state().pane.area().contains_rect(harness.get_by_label("Choices").rect()));
+}
+
 #[test]
 fn the_panel_moves_to_the_right_and_stays_there() {
     let folder = tempfile::tempdir().unwrap();
@@ -220,8 +266,7 @@ fn the_panel_moves_to_the_right_and_stays_there() {
     settle_instruments(&mut harness);
     let chart_below = harness.get_by_label("Keep").rect();
     assert!(chart_below.top() > harness.state().pane.area().bottom());
-    harness.get_by_label("To the right").click();
-    harness.run_steps(4);
+    put(&mut harness, "At the right of the picture");
     settle_instruments(&mut harness);
     let (pane, keep) = (harness.state().pane.area(), harness.get_by_label("Keep").rect());
     assert!(keep.left() > pane.right() && pane.width() > 140.0, "{keep} {pane}");
