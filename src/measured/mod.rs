@@ -77,7 +77,8 @@ pub const FORMATS: [MeasuredFormat; 3] = [
     MeasuredFormat {
         name: "MERL",
         suffixes: &["binary"],
-        largest: merl::FILE_BYTES as u64,
+        // Longer files are told what is wrong with their header.
+        largest: 256 << 20,
         has_all_directions: true,
         is_likely: MerlTable::is_likely,
         read: |bytes| {
@@ -90,11 +91,8 @@ pub const FORMATS: [MeasuredFormat; 3] = [
         suffixes: &["csv", "txt"],
         largest: 256 << 20,
         has_all_directions: false,
-        is_likely: |beginning, _| !beginning.is_empty() && is_text(beginning),
-        read: |bytes| {
-            let text = std::str::from_utf8(bytes).map_err(|error| Flaw::at_byte(error.valid_up_to(), "it is no UTF-8 text"))?;
-            Ok(Measurement::Samples(ReflectanceSamples::parse(text)?))
-        },
+        is_likely: |beginning, _| !beginning.is_empty() && (is_text(beginning) || samples::is_utf16(beginning)),
+        read: |bytes| Ok(Measurement::Samples(ReflectanceSamples::parse(&samples::text_of(bytes)?)?)),
     },
 ];
 

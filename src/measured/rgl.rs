@@ -14,7 +14,7 @@ use crate::measured::spectrum;
 use crate::measured::tensor::{Tensor, TensorFile};
 use crate::measured::warp::{Grids, Warp};
 use glam::DVec3;
-use std::f64::consts::{FRAC_2_PI, PI, TAU};
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI, TAU};
 
 /// Cosines of the light are not taken smaller than this, so that the reflectance stays finite.
 const SMALLEST_COSINE: f64 = 1e-6;
@@ -113,6 +113,12 @@ impl RglMaterial {
     /// A field is missing, has other sizes than expected, or numbers that mean nothing.
     pub(super) fn new(file: &TensorFile) -> Result<Self, Flaw> {
         let angles = [growing(file, "phi_i")?, growing(file, "theta_i")?];
+        for (name, angles, most) in [("phi_i", &angles[0], TAU), ("theta_i", &angles[1], FRAC_PI_2)] {
+            if let Some(angle) = angles.iter().find(|angle| f64::from(angle.abs()) > most + 0.01) {
+                let flaw = Flaw::new(format!("an angle of the field `{name}` is {angle}, and at most {most:.4} was expected"));
+                return Err(flaw.hint("angles are in radians"));
+            }
+        }
         let vndf = sized(file.floats("vndf", 4)?, "vndf", &[1, 1, 2, 2])?;
         if [vndf.shape[0], vndf.shape[1]] != [angles[0].len(), angles[1].len()] {
             return Err(other_directions("vndf", &vndf.shape, &angles));
@@ -129,9 +135,15 @@ impl RglMaterial {
             let message = format!("the azimuths `phi_i` cover {:.1} degrees", measured.to_degrees());
             return Err(Flaw::new(message).hint("a whole circle, a half or a quarter were expected"));
         }
+        let [normals, area] = [alone(file, "ndf")?, alone(file, "sigma")?];
+        for (name, grid) in [("ndf", &normals), ("sigma", &area)] {
+            if !grid.values.as_flattened().iter().any(|value| *value > 0.0) {
+                return Err(Flaw::new(format!("the field `{name}` has no number above 0")));
+            }
+        }
         Ok(Self {
-            normals: alone(file, "ndf")?,
-            area: alone(file, "sigma")?,
+            normals,
+            area,
             visible,
             colours: colours(file, &angles)?,
             is_divided: file.byte("jacobian")? != 0,

@@ -2,6 +2,7 @@
 
 use crate::measured::error::{Flaw, MeasuredError};
 use glam::DVec3;
+use std::borrow::Cow;
 
 /// The reflectance for one pair of directions.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,6 +30,9 @@ struct SampleColumn {
     is_angle: bool,
 }
 
+/// What may stand between numbers. Beside a semicolon or a tab, a comma is a decimal one.
+const SEPARATORS: [char; 3] = [';', '\t', ','];
+
 /// The columns, in the order of a list without a header. *i* is the light, *o* the view.
 const COLUMNS: [SampleColumn; 7] = [
     SampleColumn { name: "theta_i", aliases: &["theta_in", "theta_l"], is_angle: true },
@@ -44,19 +48,44 @@ const COLUMNS: [SampleColumn; 7] = [
 /// column that is not read.
 type ColumnOrder = Vec<Option<(usize, f64)>>;
 
+/// The marks at the beginning of texts in UTF-16, and how their bytes make a number.
+const UTF16: [([u8; 2], fn([u8; 2]) -> u16); 2] = [([0xff, 0xfe], u16::from_le_bytes), ([0xfe, 0xff], u16::from_be_bytes)];
+
+/// Whether bytes begin as a text in UTF-16 does.
+pub(super) fn is_utf16(beginning: &[u8]) -> bool {
+    UTF16.iter().any(|(mark, _)| beginning.starts_with(mark))
+}
+
+/// The text of a file in UTF-8, or in UTF-16 with a mark at its beginning, as spreadsheets write it.
+pub(super) fn text_of(bytes: &[u8]) -> Result<Cow<'_, str>, Flaw> {
+    let Some((_, number)) = UTF16.iter().find(|(mark, _)| bytes.starts_with(mark)) else {
+        let text = std::str::from_utf8(bytes).map_err(|error| Flaw::at_byte(error.valid_up_to(), "it is no UTF-8 text"))?;
+        return Ok(Cow::Borrowed(text));
+    };
+    let (pairs, rest) = bytes[2..].as_chunks::<2>();
+    let text: Result<String, _> = char::decode_utf16(pairs.iter().map(|pair| number(*pair))).collect();
+    let text = text.ok().filter(|_| rest.is_empty()).ok_or_else(|| Flaw::new("it is no UTF-16 text, as which it begins"))?;
+    Ok(Cow::Owned(text))
+}
+
 /// A word of a line: its column, counted from 1, and its text.
 type ListWord<'t> = (usize, &'t str);
 
-/// The words of a line without its comment. They are separated by semicolons, commas or tabs, or by blanks alone.
+/// The words of a line without its comment and without quotes. They are separated by semicolons, tabs or commas, or by
+/// blanks alone.
 fn words(line: &str) -> Vec<ListWord<'_>> {
     let line = line.split('#').next().unwrap_or_default();
-    let separator = [';', ',', '\t'].into_iter().find(|separator| line.contains(*separator));
+    let separator = SEPARATORS.into_iter().find(|separator| line.contains(*separator));
     let mut words = Vec::new();
     let mut start = 0;
     let mut push = |range: std::ops::Range<usize>| {
         let text = &line[range.clone()];
         let blanks = text.len() - text.trim_start().len();
-        words.push((line[..range.start + blanks].chars().count() + 1, text.trim()));
+        // A tab may follow a comma.
+        let word = if separator == Some('\t') { text.trim().trim_end_matches(',') } else { text.trim() };
+        let is_quoted = word.len() > 1 && word.starts_with('"') && word.ends_with('"');
+        let word = if is_quoted { word[1..word.len() - 1].trim() } else { word };
+        words.push((line[..range.start + blanks].chars().count() + 1, word));
     };
     match separator {
         Some(separator) => {
@@ -80,8 +109,8 @@ fn words(line: &str) -> Vec<ListWord<'_>> {
 /// The column that a word of a header names, and what its numbers are multiplied by: degrees are turned into radians.
 fn named(word: &str) -> Option<(usize, f64)> {
     /// Whether a unit is the degree.
-    const UNITS: [(&str, bool); 4] = [("deg", true), ("degrees", true), ("rad", false), ("radians", false)];
-    let word = word.trim_matches('"').to_ascii_lowercase();
+    const UNITS: [(&str, bool); 5] = [("deg", true), ("degrees", true), ("°", true), ("rad", false), ("radians", false)];
+    let word = word.to_ascii_lowercase();
     let (name, unit) = UNITS
         .iter()
         .find_map(|(unit, degrees)| {
@@ -129,9 +158,8 @@ fn sample(line: usize, words: &[ListWord], layout: &ColumnOrder) -> Result<Refle
     if words.len() != layout.len() {
         let (column, count) = (words.last().map_or(1, |(column, _)| *column), words.len());
         let flaw = Flaw::at(line, column, format!("{count} numbers, and {} were expected", layout.len()));
-        let comma = words.iter().any(|(_, word)| word.contains(','));
-        return Err(match comma {
-            true => flaw.hint("write decimal points, as in 0.5, because commas separate numbers"),
+        return Err(match count == 2 * layout.len() {
+            true => flaw.hint("write decimal points, as in 0.5, or separate numbers by semicolons"),
             false => flaw.hint(format!("a line is {}", COLUMNS.map(|column| column.name).join(","))),
         });
     }
@@ -139,10 +167,8 @@ fn sample(line: usize, words: &[ListWord], layout: &ColumnOrder) -> Result<Refle
     for ((column, word), of) in words.iter().zip(layout) {
         let Some((index, factor)) = of else { continue };
         let flaw = |what: &str| Flaw::at(line, *column, format!("`{word}` is {what}"));
-        let number = word.parse::<f64>().map_err(|_| match word.contains(',') {
-            true => flaw("no number").hint("write decimal points, as in 0.5"),
-            false => flaw("no number"),
-        })?;
+        // A comma that separates nothing is a decimal one.
+        let number = word.replace(',', ".").parse::<f64>().map_err(|_| flaw("no number"))?;
         if !number.is_finite() || number.abs() > f64::from(f32::MAX) {
             return Err(flaw("no finite number of single precision"));
         }
@@ -187,6 +213,10 @@ impl ReflectanceSamples {
         for (index, line) in text.lines().enumerate() {
             let words = words(line);
             let Some((_, first)) = words.first() else { continue };
+            // A line for spreadsheets that says what separates numbers.
+            if samples.is_empty() && line.trim().to_ascii_lowercase().starts_with("sep=") {
+                continue;
+            }
             let layout = match &mut layout {
                 Some(layout) => layout,
                 None if first.replace(',', ".").parse::<f64>().is_err() => {

@@ -239,7 +239,8 @@ fn mistakes_in_lists_of_samples_are_explained() {
         ("1,2,3,4,5,6\n", "line 1, column 11: 6 numbers, and 7 were expected"),
         ("0,0,0,0,1,1,1\n0,0,0, x7,1,1,1\n", "line 2, column 8: `x7` is no number"),
         ("0,0,0,0,1,1,inf\n", "line 1, column 13: `inf` is no finite number of single precision"),
-        ("0;0;0;0;0,5;1;1\n", "line 1, column 9: `0,5` is no number"),
+        ("0;0;0;0;0,5x;1;1\n", "line 1, column 9: `0,5x` is no number"),
+        ("0,0,0,0,0,0,0,0,0,0,0,5,1,1\n", "line 1, column 27: 14 numbers, and 7 were expected"),
         ("0,0,0,0,1,1,1,1,\n", "line 1, column 15: 8 numbers, and 7 were expected"),
         ("0,0,90,0,1,1,1\n", "line 1, column 5: the polar angle `90` is not from 0 to less than 90 degrees"),
         ("theta_i,phi_i,theta_o,phi_o,r,g\n", "line 1, column 1: there is no column `b`"),
@@ -389,4 +390,60 @@ fn a_page_that_was_saved_as_a_material_is_told_from_one() {
     let path = folder.path().join("list.dat");
     std::fs::write(&path, "0,0,0,0,0.1,0.1,0.1\n").unwrap();
     Measurement::read(&path).unwrap();
+}
+
+#[test]
+fn lists_of_spreadsheets_are_read() {
+    let plain = ReflectanceSamples::of_text("plain", "30,0,45.5,180,0.8,0.6,0.25\n").unwrap();
+    let header = "theta_i [°];phi_i [°];theta_o [°];phi_o [°];r;g;b";
+    let tabs = "30,0\t0,0\t45,5\t180,0\t0,8\t0,6\t0,25";
+    for text in [
+        format!("sep=;\n{header}\n30;0;45,5;180;0,8;0,6;0,25\n"),
+        format!("{tabs}\n"),
+        "\"theta_i\",\"phi_i\",\"theta_o\",\"phi_o\",\"r\",\"g\",\"b\"\n\"30\",\"0\",\"45.5\",\"180\",\"0.8\",\"0.6\",\"0.25\"\n"
+            .to_owned(),
+        "30,\t0,\t45.5,\t180,\t0.8,\t0.6,\t0.25\n".to_owned(),
+    ] {
+        assert_eq!(ReflectanceSamples::of_text("list", &text).unwrap(), plain, "{text}");
+    }
+    // As "Unicode text": UTF-16 with a mark, in both orders of bytes.
+    for bytes in [u16::to_le_bytes, u16::to_be_bytes] {
+        let text = format!("\u{feff}{}\r\n{tabs}\r\n", header.replace(';', "\t"));
+        let file: Vec<u8> = text.encode_utf16().flat_map(bytes).collect();
+        let Measurement::Samples(found) = Measurement::of_bytes("list.txt", &file).unwrap() else { panic!("no list") };
+        assert_eq!(found, plain);
+        let cut = Measurement::of_bytes("list.txt", &file[..file.len() - 1]).unwrap_err();
+        assert!(cut.to_string().contains("UTF-16"), "{cut}");
+    }
+}
+
+/// The file with other numbers in a field of 32-bit numbers.
+fn with_numbers(file: &[u8], name: &str, change: impl Fn(f32) -> f32) -> Vec<u8> {
+    // A field is the length of its name, the name, the number of its sizes, its type, its offset, and its sizes.
+    let named = [&(name.len() as u16).to_le_bytes()[..], name.as_bytes()].concat();
+    let at = file.windows(named.len()).position(|bytes| bytes == named).expect("the field") + named.len();
+    let number =
+        |at: usize, bytes: usize| file[at..at + bytes].iter().rev().fold(0, |number, byte| number << 8 | usize::from(*byte));
+    let (sizes, offset) = (number(at, 2), number(at + 3, 8));
+    let count: usize = (0..sizes).map(|index| number(at + 11 + 8 * index, 8)).product();
+    let mut changed = file.to_vec();
+    for bytes in changed[offset..offset + 4 * count].as_chunks_mut::<4>().0 {
+        *bytes = change(f32::from_le_bytes(*bytes)).to_le_bytes();
+    }
+    changed
+}
+
+#[test]
+fn fields_of_rgl_files_with_numbers_that_mean_nothing_are_errors() {
+    let file = std::fs::read(reference("isotropic_rgb.bsdf")).unwrap();
+    let same = with_numbers(&file, "theta_i", |angle| angle);
+    assert!(same == file && Measurement::of_bytes("x", &same).is_ok());
+    for (name, change, expected) in [
+        ("theta_i", f32::to_degrees as fn(f32) -> f32, "and at most 1.5708 was expected"),
+        ("sigma", |_| 0.0, "the field `sigma` has no number above 0"),
+        ("ndf", |_| 0.0, "the field `ndf` has no number above 0"),
+    ] {
+        let error = Measurement::of_bytes("x", &with_numbers(&file, name, change)).unwrap_err().reason();
+        assert!(error.contains(expected), "{error}");
+    }
 }
