@@ -114,13 +114,19 @@ pub(super) fn columns_of(axis: &ChartAxis, curves: &[Curve]) -> NumberTable {
     let mut places: Vec<f64> = curves.iter().flat_map(|curve| curve.points.iter().map(|point| point[0])).collect();
     places.sort_by(f64::total_cmp);
     places.dedup();
-    let value = |curve: &Curve, place: f64| {
-        let found = curve.points.binary_search_by(|point| point[0].total_cmp(&place));
-        found.map_or(f64::NAN, |index| curve.points[index][1])
-    };
-    let rows =
-        places.iter().map(|place| std::iter::once(*place).chain(curves.iter().map(|curve| value(curve, *place))).collect());
-    NumberTable { columns, rows: rows.collect() }
+    let mut table = NumberTable { columns, ..NumberTable::default() };
+    for (row, place) in places.iter().enumerate() {
+        let mut numbers = vec![*place];
+        for curve in curves {
+            let found = curve.points.binary_search_by(|point| point[0].total_cmp(place)).ok();
+            if found.is_none() {
+                table.empty.insert([row, numbers.len()]);
+            }
+            numbers.push(found.map_or(f64::NAN, |index| curve.points[index][1]));
+        }
+        table.rows.push(numbers);
+    }
+    table
 }
 
 /// A marked number, with what is written at it.
@@ -207,6 +213,6 @@ mod tests {
         };
         let table = chart.table();
         assert_eq!(table.columns, ["angle (°)", "a", "b"]);
-        assert_eq!(table.csv(), "angle (°),a,b\n0,1,nan\n5,nan,3\n10,2,4\n");
+        assert_eq!(table.csv(), "angle (°),a,b\n0,1,\n5,,3\n10,2,4\n");
     }
 }

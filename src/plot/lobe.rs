@@ -11,6 +11,7 @@ use crate::plot::solid::{SolidCorner, SolidPicture, turned};
 use crate::plot::theme::ChartTheme;
 use crate::plot::typeface::{plain, shortened, width};
 use glam::{DVec2, DVec3};
+use std::collections::HashSet;
 
 /// How long the arrow of the light is, where the greatest number is 1 long.
 const ARROW: f64 = 0.9;
@@ -188,7 +189,7 @@ impl LobeChart {
                 }
             }
         }
-        NumberTable { columns, rows }
+        NumberTable { columns, rows, empty: HashSet::new() }
     }
 }
 

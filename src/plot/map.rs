@@ -10,6 +10,7 @@ use crate::plot::number_table::NumberTable;
 use crate::plot::panels::{PanelPlaces, arranged, caption};
 use crate::plot::theme::ChartTheme;
 use crate::plot::typeface::width;
+use std::collections::HashSet;
 
 /// What is shown at each place, row by row from the top.
 #[derive(Debug, Clone, PartialEq)]
@@ -229,7 +230,7 @@ impl MapChart {
                 rows.push(numbers);
             }
         }
-        NumberTable { columns, rows }
+        NumberTable { columns, rows, empty: HashSet::new() }
     }
 }
 

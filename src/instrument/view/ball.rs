@@ -155,12 +155,15 @@ pub(super) fn furnace(models: &[NamedModel], settings: &ViewSettings) -> Chart {
             seen.map(|share| share.map(|component| FURNACE * component as f32)).collect()
         };
         let mut name = ViewSettings::name_among(models, number);
-        if name.is_empty() {
-            heading.add(&format!("the ball {told}"));
-        } else {
-            name = format!("{name} {told}");
+        match (name.is_empty(), table.is_known) {
+            (true, _) => heading.add(&format!("the ball {told}")),
+            (false, true) => name = format!("{name}: {least:.3} to {greatest:.3}"),
+            (false, false) => name = format!("{name}: {told}"),
         }
         panels.push(MapPanel { name, ..BallGrid::of(settings).ball([FURNACE; 3], colours) });
+    }
+    if models.len() > 1 {
+        heading.add("numbers: the share of the light that a ball sends");
     }
     let bar = ChartAxis::numbers("half of the share", "", false);
     Chart::Map(MapChart { heading, axes: None, bar, panels })

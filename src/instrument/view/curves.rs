@@ -132,6 +132,19 @@ fn incoming(is_draft: bool) -> Vec<f64> {
     angles
 }
 
+/// Curves up to this angle have all of their range in the chart, in degrees.
+const WHOLE_UP_TO: f64 = 85.0;
+
+/// Where curves end in a spike along the surface beside which nothing else would be seen: the number up to which the
+/// chart goes, and the highest point.
+fn beyond(curves: &[Curve]) -> Option<(f64, [f64; 2])> {
+    let points = || curves.iter().flat_map(|curve| &curve.points).filter(|[_, share]| share.is_finite());
+    let before = points().filter(|[angle, _]| *angle <= WHOLE_UP_TO).map(|[_, share]| *share).fold(1.0, f64::max);
+    let highest = points().copied().max_by(|one, other| one[1].total_cmp(&other[1]))?;
+    let is_negative = points().any(|[_, share]| *share < 0.0);
+    (highest[1] > 3.0 * before && !is_negative).then_some((1.4 * before, highest))
+}
+
 /// Shares of drafts that differ by less, relative to 1, are called equal.
 const DRAFT_EQUAL: f64 = 0.02;
 
@@ -145,21 +158,28 @@ pub(super) fn albedo(models: &[NamedModel], settings: &ViewSettings) -> Chart {
             false => albedos(model.model.as_ref(), over, &fixed).into_iter().map(|integral| integral.value).collect(),
         }
     };
+    let both = models.iter().map(|model| [Integration::OverViews, Integration::OverLights].map(|over| shares(model, over)));
+    let both: Vec<[Vec<[f64; 3]>; 2]> = both.collect();
+    let is_grey = |[red, green, blue]: &[f64; 3]| (red - green).abs() < EQUAL && (green - blue).abs() < EQUAL;
+    let all_grey = both.iter().flatten().flatten().all(is_grey);
+    // Of several models, a luminance below 1 could hide a component above it.
+    let usual = match (all_grey, models.len()) {
+        (true, _) => Component::Luminance,
+        (false, 1) => Component::Each,
+        (false, _) => Component::Greatest,
+    };
+    let shown = settings.component.unwrap_or(usual);
+    let parts = shown.parts();
+    let mut heading = settings.heading_at_azimuth("Share of the light that is reflected", models);
     let mut curves = Vec::new();
-    for (number, model) in models.iter().enumerate() {
-        let beam = shares(model, Integration::OverViews);
-        let furnace = shares(model, Integration::OverLights);
+    for (number, [beam, furnace]) in both.iter().enumerate() {
         let equal = if settings.is_draft { DRAFT_EQUAL } else { EQUAL };
         let differ =
             |one: &[f64; 3], other: &[f64; 3]| one.iter().zip(other).any(|(one, other)| (one - other).abs() > 2.0 * equal);
-        let has_furnace = beam.iter().zip(&furnace).any(|(one, other)| differ(one, other));
-        let is_grey = |[red, green, blue]: &[f64; 3]| (red - green).abs() < EQUAL && (green - blue).abs() < EQUAL;
-        let all_grey = beam.iter().chain(&furnace).all(is_grey);
-        let usual = if all_grey || models.len() > 1 { Component::Luminance } else { Component::Each };
-        let parts = settings.component.unwrap_or(usual).parts();
-        let mut sides = vec![("a beam from there", &beam)];
+        let has_furnace = beam.iter().zip(furnace).any(|(one, other)| differ(one, other));
+        let mut sides = vec![("of a beam", beam)];
         if has_furnace {
-            sides.push(("a white furnace, seen from there", &furnace));
+            sides.push(("in a furnace", furnace));
         }
         for (side, (what, values)) in sides.into_iter().enumerate() {
             for ComponentPart { name: part, colour: own_colour, of: component } in &parts {
@@ -176,10 +196,20 @@ pub(super) fn albedo(models: &[NamedModel], settings: &ViewSettings) -> Chart {
             }
         }
     }
+    let part = match shown {
+        Component::Luminance if !all_grey => ", luminance",
+        Component::Greatest if !all_grey => ", greatest of red, green, blue",
+        Component::Luminance | Component::Greatest | Component::Red | Component::Green | Component::Blue | Component::Each => "",
+    };
+    let mut y = ChartAxis::numbers(&format!("share of the light{part}"), "", settings.is_log);
+    if let Some((highest, [angle, share])) = beyond(&curves).filter(|_| !settings.is_log) {
+        y.range = Some([0.0, highest]);
+        heading.add(&format!("up to {share:.3} at {}, beyond the chart", angle_text(angle)));
+    }
     Chart::Cartesian(CartesianChart {
-        heading: settings.heading_at_azimuth("Share of the light that is reflected", models),
+        heading,
         x: ChartAxis::angles("angle of the beam, or of the viewer, from the normal", [0.0, 90.0]),
-        y: ChartAxis::numbers("share of the light", "", settings.is_log),
+        y,
         curves,
         lines: vec![ReferenceLine { value: 1.0, label: "1: as much leaves as comes".to_owned() }],
     })

@@ -39,16 +39,24 @@ pub enum Component {
     Blue,
     /// Red, green and blue, a curve each.
     Each,
+    /// The greatest of red, green and blue.
+    Greatest,
+}
+
+/// The greatest component of a colour; NaN if one of them is.
+fn greatest(colour: [f64; 3]) -> f64 {
+    colour.into_iter().reduce(|one, other| if one.is_nan() || one > other { one } else { other }).unwrap_or(f64::NAN)
 }
 
 impl Component {
     /// All of them, with the names of the command line.
-    pub const ALL: [(&'static str, Component); 5] = [
+    pub const ALL: [(&'static str, Component); 6] = [
         ("luminance", Component::Luminance),
         ("red", Component::Red),
         ("green", Component::Green),
         ("blue", Component::Blue),
         ("each", Component::Each),
+        ("greatest", Component::Greatest),
     ];
 
     /// What is shown.
@@ -62,6 +70,7 @@ impl Component {
             Component::Green => vec![green],
             Component::Blue => vec![blue],
             Component::Each => vec![red, green, blue],
+            Component::Greatest => vec![ComponentPart { name: "", colour: None, of: greatest }],
         }
     }
 
@@ -72,6 +81,7 @@ impl Component {
             Component::Red => colour[0],
             Component::Green => colour[1],
             Component::Blue => colour[2],
+            Component::Greatest => greatest(colour),
         }
     }
 }

@@ -175,3 +175,33 @@ fn the_azimuth_is_told_where_it_matters() {
         assert!(!title(view, &matte(0.5), 0.0).contains("azimuth"), "{view}");
     }
 }
+
+#[test]
+fn a_spike_along_the_surface_does_not_flatten_the_chart_of_shares() {
+    let y = |models: &[NamedModel]| match chart("albedo", models, &ViewSettings::default()) {
+        Chart::Cartesian(chart) => (chart.y, chart.heading.subtitle),
+        other => panic!("{other:?}"),
+    };
+    let (axis, subtitle) = y(&[spike(89.95)]);
+    assert_eq!(axis.range, Some([0.0, 1.4]));
+    assert!(subtitle.contains("up to 4.000 at 89.99°, beyond the chart"), "{subtitle}");
+    // What is above 1 from afar has all of its range.
+    let (axis, subtitle) = y(&[matte(4.0)]);
+    assert_eq!((axis.range, subtitle.as_str()), (None, ""));
+}
+
+#[test]
+fn shares_of_several_coloured_models_are_their_greatest_component() {
+    // Its luminance is 0.2126·1.5, far below 1.
+    struct Red;
+    impl crate::instrument::Reflectance for Red {
+        fn values(&self, pairs: &[crate::instrument::DirectionPair]) -> Vec<[f32; 3]> {
+            pairs.iter().map(|pair| [1.5 * pair.light[2].max(0.0), 0.0, 0.0]).collect()
+        }
+    }
+    let red = NamedModel { name: "red".into(), model: Arc::new(Red) };
+    let Chart::Cartesian(found) = chart("albedo", &[red, matte(0.5)], &ViewSettings::default()) else { panic!("no curves") };
+    assert_eq!(found.y.title, "share of the light, greatest of red, green, blue");
+    assert!(found.curves[0].points.iter().all(|[_, share]| (share - 1.5).abs() < 1e-3));
+    assert!(found.curves[1].points.iter().all(|[_, share]| (share - 0.5).abs() < 1e-3));
+}

@@ -98,6 +98,27 @@ fn plot<'p>(name: &str) -> Plot<'p> {
     Plot::new(name).allow_scroll(false).set_margin_fraction(egui::vec2(0.045, 0.04))
 }
 
+/// The most curves whose numbers are told under the pointer.
+const MOST_TOLD: usize = 8;
+
+/// The numbers of curves over a point of the axis to the right, a line each. `axis` is the name of the other axis.
+fn numbers_at(curves: &[Curve], x: f64, axis: &str) -> String {
+    let line = |curve: &Curve| {
+        let name = if curves.len() == 1 { axis.to_owned() } else { plain(&curve.name) };
+        number_at(&curve.points, x).map(|number| format!("{name} {}", number_text(number)))
+    };
+    curves.iter().filter_map(line).take(MOST_TOLD).collect::<Vec<_>>().join("\n")
+}
+
+/// The number of a curve between two of its points; none beside it and at gaps.
+fn number_at(points: &[[f64; 2]], x: f64) -> Option<f64> {
+    let after = points.partition_point(|point| point[0] < x);
+    let [high, low] = [points.get(after)?, points.get(after.saturating_sub(1))?];
+    let share = if high[0] > low[0] { (x - low[0]) / (high[0] - low[0]) } else { 1.0 };
+    let number = low[1] + share * (high[1] - low[1]);
+    (x >= low[0] && number.is_finite()).then_some(number)
+}
+
 /// Draws curves over two axes. `marks` are numbers of the axis to the right that are marked, each with a name.
 pub(super) fn cartesian_ui(ui: &mut Ui, chart: &CartesianChart, theme: ChartTheme, mark: Option<(f64, &str)>) {
     let scale = PlotScale::new(&chart.y, &chart.curves);
@@ -113,16 +134,16 @@ pub(super) fn cartesian_ui(ui: &mut Ui, chart: &CartesianChart, theme: ChartThem
             if is_whole { number_text(scale.number(mark.value)).replace('-', "−") } else { String::new() }
         },
     );
+    let shown_curves = chart.curves.clone();
     let mut plot = plot("cartesian")
         .custom_x_axes(vec![x_axis])
         .custom_y_axes(vec![y_axis])
         .grid_color(colour_of(theme.grid()))
         .label_formatter(move |at: &HoverPosition<'_>| {
-            let (name, position) = match at {
-                HoverPosition::NearDataPoint { plot_name, position, .. } => (format!("{plot_name}\n"), position),
-                HoverPosition::Elsewhere { position } => (String::new(), position),
+            let position = match at {
+                HoverPosition::NearDataPoint { position, .. } | HoverPosition::Elsewhere { position } => position,
             };
-            Some(format!("{name}{x_name} {:.1}°\n{y_name} {}", position.x, number_text(scale.number(position.y))))
+            Some(format!("{x_name} {:.1}°\n{}", position.x, numbers_at(&shown_curves, position.x, &y_name)))
         });
     if chart.x.is_angle {
         let range = chart.x.range;
@@ -154,7 +175,9 @@ pub(super) fn cartesian_ui(ui: &mut Ui, chart: &CartesianChart, theme: ChartThem
                 VLine::new(name, angle).color(colour_of(theme.muted())).width(1.2).style(LineStyle::Dashed { length: 4.0 }),
             );
         }
-        add_curves(plot, &chart.curves, theme, |[x, y]| [x, scale.place(y)]);
+        // What is beyond the range runs along its end.
+        let highest = chart.y.range.map_or(f64::INFINITY, |[_, high]| high);
+        add_curves(plot, &chart.curves, theme, |[x, y]| [x, scale.place(y.min(highest))]);
     });
 }
 
@@ -170,9 +193,9 @@ fn angle_marks((low, high): (f64, f64), step: f64, range: Option<[f64; 2]>) -> V
     values.map(|value| GridMark { value, step_size: size }).collect()
 }
 
-/// Marks of a logarithmic axis: each decade.
+/// Marks of a logarithmic axis: each decade that is in view.
 fn decade_marks((low, high): (f64, f64)) -> Vec<GridMark> {
-    let (first, last) = (low.floor().clamp(-400.0, 400.0) as i32, high.ceil().clamp(-400.0, 400.0) as i32);
+    let (first, last) = (low.ceil().clamp(-400.0, 400.0) as i32, high.floor().clamp(-400.0, 400.0) as i32);
     (first..=last).map(|decade| GridMark { value: f64::from(decade), step_size: 1.0 }).collect()
 }
 
@@ -291,6 +314,14 @@ mod tests {
         assert!((log.place(1.0) - 2.0).abs() < 1e-12 && log.place(-1.0) == 0.0 && (log.number(3.0) - 10.0).abs() < 1e-9);
         let linear = PlotScale::new(&ChartAxis::numbers("f", "", false), &curves);
         assert_eq!((linear.place(0.25), linear.number(0.25)), (0.25, 0.25));
+    }
+
+    #[test]
+    fn the_numbers_of_curves_are_told_at_an_angle() {
+        let points = [[0.0, 1.0], [10.0, 3.0], [20.0, f64::NAN], [30.0, 5.0]];
+        let found = [-1.0, 0.0, 2.5, 10.0, 15.0, 30.0, 31.0].map(|x| number_at(&points, x));
+        assert_eq!(found, [None, Some(1.0), Some(1.5), Some(3.0), None, None, None]);
+        assert_eq!(number_at(&[], 1.0), None);
     }
 
     #[test]
