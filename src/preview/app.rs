@@ -81,6 +81,7 @@ use crate::workspace::FileKind;
 use crate::workspace::Location;
 use crate::workspace::presets::DEFAULT_SESSION;
 use crate::workspace::project::SessionMistakes;
+use arrangement::PanelsBelow;
 use asset_loading::AssetLoading;
 use confirmation::Confirmation;
 use dialogs::Dialogs;
@@ -144,6 +145,8 @@ pub struct App {
     settings_dialog: SettingsDialog,
     inspector: InspectorPanel,
     instruments: InstrumentPanel,
+    /// Which of the panels below the picture are in view.
+    below: PanelsBelow,
     fitting: FittingPanel,
     sensitivity: SensitivityView,
     measured: MeasuredComparison,
@@ -232,6 +235,7 @@ impl App {
             settings_dialog: SettingsDialog::default(),
             inspector: InspectorPanel::default(),
             instruments: InstrumentPanel::new(&user_state.settings.window, waker(&context)),
+            below: PanelsBelow::default(),
             fitting: FittingPanel::new(waker(&context)),
             sensitivity: SensitivityView::new(waker(&context)),
             measured: MeasuredComparison::new(waker(&context)),

@@ -18,6 +18,11 @@ const LEAST_TEXTS: f32 = 220.0;
 const LEAST_PARAMETERS: f32 = 240.0;
 const LEAST_PICTURE: f32 = 160.0;
 
+/// The least height that panels below the picture leave to it, and the least that each of them has if there are others,
+/// in points.
+const LEAST_PICTURE_HEIGHT: f32 = 220.0;
+const LEAST_BELOW_HEIGHT: f32 = 200.0;
+
 /// Panels that are less wide than this, in points, are below the texts, too.
 const LEAST_BELOW: f32 = 430.0;
 
@@ -130,19 +135,77 @@ impl App {
     ) {
         self.follow_sensitivity(ui, waits);
         // At the right, the instruments have the height of all panels together.
-        let is_beside = self.instruments.dock_within(beside) == InstrumentDock::Right;
-        if is_beside {
-            self.instruments_ui(ui, beside, sizes, actions);
+        let dock = self.instruments.dock_within(beside);
+        if dock == InstrumentDock::Right {
+            self.instruments_ui(ui, (beside, ui.available_height()), sizes, actions);
         }
+        let is_open = [self.inspector.open, self.instruments.open && dock == InstrumentDock::Below, self.fitting.open];
+        let shown = self.below.shown(ui, is_open);
+        self.below.tabs_ui(ui, is_open);
+        let most = |ui: &Ui, after: usize| {
+            let others = shown[after..].iter().filter(|is_shown| **is_shown).count();
+            ui.available_height() - LEAST_PICTURE_HEIGHT - others as f32 * LEAST_BELOW_HEIGHT
+        };
         let of = self.parameter_of_interest();
-        self.inspector.ui(ui, &self.workshop, of, sizes);
+        if shown[0] {
+            self.inspector.ui(ui, &self.workshop, (of, most(ui, 1)), sizes);
+        }
         if let Some(place) = self.inspector.take_place() {
             self.parameters.select(OwnerId::Body(place.body));
             self.instruments.look_at(place);
         }
-        if !is_beside {
-            self.instruments_ui(ui, beside, sizes, actions);
+        if shown[1] {
+            self.instruments_ui(ui, (beside, most(ui, 2)), sizes, actions);
         }
-        self.fitting_ui(ui, sizes);
+        self.fitting_ui(ui, (shown[2], most(ui, 3)), sizes);
+    }
+}
+
+/// The names of the panels below the picture, in their order from below.
+const BELOW: [&str; 3] = ["Pixel inspector", "Instruments", "Fit"];
+
+/// Which of the panels below the picture are in view. Where there is no room for all that are open, it is one of them,
+/// and tabs choose it.
+#[derive(Default)]
+pub(super) struct PanelsBelow {
+    /// Which were open in the last frame.
+    was_open: [bool; BELOW.len()],
+    /// The one that was opened or chosen last.
+    chosen: usize,
+}
+
+impl PanelsBelow {
+    /// Whether there are tabs.
+    fn has_tabs(ui: &Ui, is_open: [bool; BELOW.len()]) -> bool {
+        let count = is_open.into_iter().filter(|is_open| *is_open).count();
+        count > 1 && ui.available_height() < LEAST_PICTURE_HEIGHT + count as f32 * LEAST_BELOW_HEIGHT
+    }
+
+    /// Which of the open panels are shown.
+    fn shown(&mut self, ui: &Ui, is_open: [bool; BELOW.len()]) -> [bool; BELOW.len()] {
+        let opened = (0..BELOW.len()).find(|index| is_open[*index] && !self.was_open[*index]);
+        self.chosen = opened.unwrap_or(self.chosen);
+        if !is_open[self.chosen] {
+            self.chosen = is_open.iter().position(|is_open| *is_open).unwrap_or(self.chosen);
+        }
+        self.was_open = is_open;
+        if Self::has_tabs(ui, is_open) { std::array::from_fn(|index| index == self.chosen) } else { is_open }
+    }
+
+    /// Draws the tabs, if there are any.
+    fn tabs_ui(&mut self, ui: &mut Ui, is_open: [bool; BELOW.len()]) {
+        if !Self::has_tabs(ui, is_open) {
+            return;
+        }
+        Panel::bottom("tabs of panels").show(ui, |ui| {
+            ui.horizontal(|ui| {
+                for (index, name) in BELOW.iter().enumerate().filter(|(index, _)| is_open[*index]) {
+                    let tab = ui.selectable_label(index == self.chosen, *name);
+                    if tab.on_hover_text("There is no room for all open panels: this one is shown").clicked() {
+                        self.chosen = index;
+                    }
+                }
+            });
+        });
     }
 }

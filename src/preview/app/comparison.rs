@@ -139,6 +139,8 @@ struct ComparisonKey {
 pub(super) struct Comparison {
     picture: Picture,
     largest: LargestDifference,
+    /// How many passes both pictures have.
+    passes: [usize; 2],
     made_of: Option<ComparisonKey>,
 }
 
@@ -168,6 +170,7 @@ impl Comparison {
             }
             PaneMode::Current | PaneMode::Snapshot(_) | PaneMode::Sensitivity | PaneMode::Split(_) => join(one, other, columns),
         };
+        self.passes = [one.passes.shown, other.passes.shown];
         self.picture = Picture { version, ..made };
         self.made_of = Some(key);
     }
@@ -182,9 +185,13 @@ impl Comparison {
         let [one, other] = pair.map(Compared::name);
         let amplified = if gain == 1 { String::new() } else { format!(", amplified ×{gain}") };
         let LargestDifference { steps, pixel: [x, y] } = self.largest;
+        let unequal = match self.passes {
+            [first, second] if first != second => format!(" ({first} and {second} passes)"),
+            _ => String::new(),
+        };
         match steps {
             0 => format!("{one} and {other} are equal"),
-            _ => format!("Difference of {one} and {other}{amplified}; the largest is {steps} of 255, at ({x}, {y})"),
+            _ => format!("Difference of {one} and {other}{unequal}{amplified}; the largest is {steps} of 255, at ({x}, {y})"),
         }
     }
 }

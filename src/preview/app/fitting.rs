@@ -197,10 +197,16 @@ impl FittingPanel {
         }
     }
 
-    /// Draws the panel below the picture. `mode` is what the pane of the picture shows.
-    fn ui(&mut self, ui: &mut Ui, workshop: &Workshop, mode: PaneMode, sizes: &mut PanelSizes) -> Vec<FittingOrder> {
+    /// Draws the panel below the picture, at most so high. `mode` is what the pane of the picture shows.
+    fn ui(
+        &mut self,
+        ui: &mut Ui,
+        (workshop, mode): (&Workshop, PaneMode),
+        most: f32,
+        sizes: &mut PanelSizes,
+    ) -> Vec<FittingOrder> {
         let mut orders = Vec::new();
-        let most = (0.62 * ui.available_height()).max(LEAST_HEIGHT);
+        let most = most.min(0.62 * ui.available_height()).max(LEAST_HEIGHT);
         let id = Id::new("fitting");
         let size = wanted_size(ui.ctx(), id, PanelSide::Fitting, sizes);
         let panel = Panel::bottom(id).resizable(true).default_size(size);

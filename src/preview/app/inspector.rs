@@ -126,7 +126,13 @@ impl InspectorPanel {
 
     /// Draws the inspector below the picture, with the current values. `of` is the parameter that was moved
     /// last.
-    pub(super) fn ui(&mut self, ui: &mut Ui, workshop: &Workshop, of: Option<OwnedParameter>, sizes: &mut PanelSizes) {
+    pub(super) fn ui(
+        &mut self,
+        ui: &mut Ui,
+        workshop: &Workshop,
+        (of, most): (Option<OwnedParameter>, f32),
+        sizes: &mut PanelSizes,
+    ) {
         if !self.open {
             return;
         }
@@ -140,7 +146,7 @@ impl InspectorPanel {
             ui.ctx().request_repaint();
         }
         // Half of the room is for the picture.
-        let most = (0.5 * ui.available_height()).max(LEAST_HEIGHT);
+        let most = most.min(0.5 * ui.available_height()).max(LEAST_HEIGHT);
         let id = Id::new("inspector");
         let size = wanted_size(ui.ctx(), id, PanelSide::Inspector, sizes);
         let panel = Panel::bottom(id).resizable(true).default_size(size);

@@ -31,7 +31,7 @@ use crate::workspace::OwnerId;
 use chart_pane::theme_of;
 use controls::ChartControls;
 use egui::text::{LayoutJob, TextWrapping};
-use egui::{Align, Button, FontSelection, Galley, Label, Layout, RichText, TextureHandle, Ui};
+use egui::{Align, Button, FontSelection, Galley, Label, Layout, RichText, TextStyle, TextureHandle, Ui};
 use legend::CurveLegend;
 use overlays::Overlays;
 use sheet::{DrawnChart, SheetRequest};
@@ -39,8 +39,6 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use verdict::VerdictWords;
 
-/// A panel that is less high than this, in points, is low.
-const LOW: f32 = 420.0;
 /// A verdict that takes longer waits until the slider is let go.
 const QUICK_VERDICT: Duration = Duration::from_millis(120);
 
@@ -89,6 +87,8 @@ pub(super) struct InstrumentPanel {
     compiled: Option<Arc<CompiledModel>>,
     subject: Option<InstrumentSubject>,
     overlays: Overlays,
+    /// The file of the material that is compared in the picture, if one is.
+    compared: Option<std::path::PathBuf>,
     /// Grows when the models beside the formula change.
     overlays_version: u64,
     /// Whether a slider is held, so that charts are drafts.
@@ -130,6 +130,7 @@ impl InstrumentPanel {
             compiled: None,
             subject: None,
             overlays: Overlays::default(),
+            compared: None,
             overlays_version: 0,
             is_moving: false,
             is_turning: false,
@@ -209,9 +210,9 @@ impl InstrumentPanel {
     /// Draws the verdict, and the buttons that close and move the panel. `fits_right` says whether there is room at the
     /// right of the picture.
     fn header_ui(&mut self, ui: &mut Ui, workshop: &Workshop, fits_right: bool) {
-        // A low panel keeps its room for the chart. All words are in the tooltip, too.
-        let most_rows = if ui.available_height() < LOW { 2 } else { 8 };
         ui.horizontal(|ui| {
+            // What is below does not move while the words change. All of them are in the tooltip, too.
+            ui.set_min_height(2.0 * ui.text_style_height(&TextStyle::Body));
             ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
                 if ui.small_button("×").on_hover_text("Close the instruments (Ctrl+I)").clicked() {
                     self.open = false;
@@ -221,11 +222,16 @@ impl InstrumentPanel {
                     if workshop.formula().parameter_ids().next().is_none() {
                         return;
                     }
-                    let Some(KnownVerdict { words, held }) = &self.verdict else {
+                    let subject = self.subject.as_ref().map(|subject| &subject.held);
+                    // A verdict on another formula says nothing of this one.
+                    let of_formula = |known: &&KnownVerdict| {
+                        subject.is_some_and(|subject| Arc::ptr_eq(&subject.compiled, &known.held.compiled))
+                    };
+                    let Some(KnownVerdict { words, held }) = self.verdict.as_ref().filter(of_formula) else {
                         ui.add(Label::new(RichText::new("Measuring the energy…").weak()).truncate());
                         return;
                     };
-                    let is_stale = self.subject.as_ref().is_none_or(|subject| subject.held != *held);
+                    let is_stale = subject != Some(held);
                     let sign = if words.is_warning { "⚠ " } else { "" };
                     let text = RichText::new(format!("{sign}{}", words.text)).strong();
                     let text = match (is_stale, words.is_warning) {
@@ -233,7 +239,7 @@ impl InstrumentPanel {
                         (false, true) => text.color(ui.visuals().warn_fg_color),
                         (false, false) => text,
                     };
-                    let button = ui.add(Button::new(in_rows(ui, text, most_rows)).frame(false));
+                    let button = ui.add(Button::new(in_rows(ui, text, 2)).frame(false));
                     if button
                         .on_hover_text(format!(
                             "{}\n{}\nClick for the share of the light over the angle.",
@@ -272,14 +278,15 @@ impl InstrumentPanel {
         let theme = theme_of(ui);
         ui.horizontal_wrapped(|ui| {
             let has_room = self.overlays.has_room();
-            let keep = ui.add_enabled(has_room, Button::new("Keep"));
+            let full = "There are as many models as charts can show: remove one of them below";
+            let keep = ui.add_enabled(has_room, Button::new("Keep")).on_disabled_hover_text(full);
             if keep.on_hover_text("Keep the formula with these values beside the present ones").clicked()
                 && let Some(subject) = &self.subject
             {
                 self.overlays.keep(&subject.formula, &subject.about, subject.held.clone());
                 self.overlays_version += 1;
             }
-            let load = ui.add_enabled(has_room, Button::new("Load measured…"));
+            let load = ui.add_enabled(has_room, Button::new("Load measured…")).on_disabled_hover_text(full);
             if load.on_hover_text("Show a measured material beside it: MERL (.binary) or RGL (.bsdf)").clicked() {
                 actions.push(Action::Instruments(InstrumentAction::ShowMeasuredDialog));
             }
@@ -288,7 +295,7 @@ impl InstrumentPanel {
             }
         });
         let now = self.subject.as_ref().map(|subject| subject.formula.clone()).unwrap_or_default();
-        let (is_changed, compared) = self.overlays.ui(ui, &format!("{now}, now"), theme);
+        let (is_changed, compared) = self.overlays.ui(ui, &format!("{now}, now"), theme, self.compared.as_deref());
         self.overlays_version += u64::from(is_changed);
         actions.extend(compared.map(|path| Action::Instruments(InstrumentAction::Compare(path))));
     }

@@ -10,6 +10,8 @@ use crate::preview::workshop::MeasuredTwin;
 use crate::scene::BodyId;
 use crate::workspace::measured_files;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The material, and the body that has it.
 struct ComparedMaterial {
@@ -33,6 +35,9 @@ struct TwinKey {
     comparison: u64,
 }
 
+/// A picture that was made, or why there is none, and what it was asked for.
+type MadeTwin = (TwinKey, Result<Picture, String>);
+
 /// The comparison with a measured material.
 pub(super) struct MeasuredComparison {
     of: Option<ComparedMaterial>,
@@ -41,32 +46,64 @@ pub(super) struct MeasuredComparison {
     /// Whether the user waits for the first picture.
     is_awaited: bool,
     asked: Option<TwinKey>,
+    /// Cancels the picture that was asked for last.
+    running: Arc<AtomicBool>,
     /// What the picture that is kept was asked for.
     kept: Option<TwinKey>,
-    worker: LatestWorker<(TwinKey, MeasuredTwin), (TwinKey, Result<Picture, String>)>,
+    /// Answers nothing if it was cancelled.
+    worker: LatestWorker<(TwinKey, MeasuredTwin), Option<MadeTwin>>,
 }
 
 impl MeasuredComparison {
     /// No comparison yet. `wake` wakes the window.
     pub(super) fn new(wake: impl Fn() + Send + Sync + 'static) -> Self {
-        let make = |(key, twin): (TwinKey, MeasuredTwin)| (key, twin.picture());
-        Self { of: None, count: 0, is_awaited: false, asked: None, kept: None, worker: LatestWorker::new(make, wake) }
+        let make = |(key, twin): (TwinKey, MeasuredTwin)| {
+            let made = twin.picture();
+            (!twin.cancelled.load(Ordering::Relaxed)).then_some((key, made))
+        };
+        let worker = LatestWorker::new(make, wake);
+        Self { of: None, count: 0, is_awaited: false, asked: None, running: Arc::default(), kept: None, worker }
     }
 
-    /// Ends the comparison. What is still being made is not shown.
+    /// Ends the comparison.
     pub(super) fn end(&mut self) {
-        (self.of, self.is_awaited, self.asked, self.kept) = (None, false, None, None);
+        self.stop();
+        (self.of, self.is_awaited, self.kept) = (None, false, None);
+    }
+
+    /// Stops making a picture.
+    fn stop(&mut self) {
+        self.running.store(true, Ordering::Relaxed);
+        self.asked = None;
     }
 
     /// What is being made, in words.
     pub(super) fn progress(&self) -> Option<&str> {
-        self.of.as_ref().filter(|_| self.is_awaited || self.worker.is_busy()).map(|of| of.about.as_str())
+        self.of
+            .as_ref()
+            .filter(|_| self.is_awaited || self.asked.is_some() && self.asked != self.kept)
+            .map(|of| of.about.as_str())
     }
 }
 
 impl App {
-    /// Compares the picture with one that has a measured material on the body of the instruments.
+    /// The file of the material that is compared in the picture, or soon will be.
+    pub(super) fn compared_material(&self) -> Option<&Path> {
+        let of = self.measured.of.as_ref()?;
+        (self.measured.is_awaited || self.shows_measured()).then_some(of.path.as_path())
+    }
+
+    /// Whether the picture with a measured material is in view.
+    fn shows_measured(&self) -> bool {
+        self.pane.mode.pair().is_some_and(|pair| pair.contains(&Compared::Measured))
+    }
+
+    /// Compares the picture with one that has a measured material on the body of the instruments; or ends that
+    /// comparison, if it is in view.
     pub(super) fn compare_measured(&mut self, path: &Path) {
+        if self.compared_material() == Some(path) {
+            return self.end_measured();
+        }
         let Some(body) = self.instruments.body() else { return };
         let scene = self.workshop.scene();
         let Some(body) = scene.bodies.get(body.index()).map(|body| body.name.clone()) else { return };
@@ -89,14 +126,13 @@ impl App {
     /// what was made.
     pub(super) fn follow_measured(&mut self) {
         self.take_measured_twin();
-        let is_in_view = self.pane.mode.pair().is_some_and(|pair| pair.contains(&Compared::Measured));
-        if !is_in_view && !self.measured.is_awaited {
-            return;
+        if !self.shows_measured() && !self.measured.is_awaited {
+            return self.measured.stop();
         }
         let Some(of) = &self.measured.of else { return };
         // The processors are for what moves.
         if self.workshop.held().is_some() || self.workshop.moving().is_some() || !self.workshop.is_up_to_date() {
-            return;
+            return self.measured.stop();
         }
         let scene = self.workshop.scene();
         let Some(body) = scene.body_ids().find(|body| scene.body(*body).name == of.body) else {
@@ -116,7 +152,9 @@ impl App {
         let material = (of.path.to_string_lossy().into_owned(), of.number);
         match self.workshop.measured_twin(body, (&material.0, material.1), key.passes) {
             Some(twin) => {
+                self.measured.stop();
                 self.measured.asked = Some(key);
+                self.measured.running = Arc::clone(&twin.cancelled);
                 self.measured.worker.ask((key, twin));
             }
             None => self.end_measured(),
@@ -125,7 +163,8 @@ impl App {
 
     /// Takes the picture that was made, if nothing has changed since.
     fn take_measured_twin(&mut self) {
-        let Some((key, made)) = self.measured.worker.take().filter(|(key, _)| self.measured.asked == Some(*key)) else { return };
+        let made = self.measured.worker.take().flatten();
+        let Some((key, made)) = made.filter(|(key, _)| self.measured.asked == Some(*key)) else { return };
         if key.stamp != self.workshop.stamp() {
             return;
         }
@@ -150,7 +189,7 @@ impl App {
     fn end_measured(&mut self) {
         self.measured.end();
         self.workshop.forget_measured_picture();
-        if self.pane.mode.pair().is_some_and(|pair| pair.contains(&Compared::Measured)) {
+        if self.shows_measured() {
             self.pane.mode = PaneMode::Current;
         }
     }

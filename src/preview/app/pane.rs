@@ -251,6 +251,8 @@ impl PicturePane {
         };
         let (left, right) = (egui::Align2::LEFT_TOP, egui::Align2::RIGHT_TOP);
         let corner = self.area.min + vec2(8.0, 8.0);
+        // At the upper left is what chooses handles, and at the lower left are notes.
+        let low = self.area.right_bottom() - vec2(8.0, 8.0);
         match self.mode {
             PaneMode::Snapshot(slot) if workshop.snapshot(slot).is_some() => {
                 say(corner, left, &format!("{}, as it was kept", Compared::Snapshot(slot).name()));
@@ -263,9 +265,11 @@ impl PicturePane {
             PaneMode::Split(pair) | PaneMode::Difference(pair, _)
                 if pair.contains(&Compared::Measured) && self.comparison.picture(self.mode).is_none() =>
             {
-                say(corner, left, "now; the comparison follows");
+                say(low, egui::Align2::RIGHT_BOTTOM, "now; the comparison follows");
             }
-            PaneMode::Difference(..) if let Some(words) = self.words_of_difference() => say(corner, left, &words),
+            PaneMode::Difference(..) if let Some(words) = self.words_of_difference() => {
+                say(low, egui::Align2::RIGHT_BOTTOM, &words);
+            }
             PaneMode::Current | PaneMode::Snapshot(_) | PaneMode::Sensitivity | PaneMode::Split(_) | PaneMode::Difference(..) => {
             }
         }

@@ -3,11 +3,12 @@
 use super::Workshop;
 use crate::engine::{Engine, Subject, Task};
 use crate::picture::{ViewTransform, quantise};
-use crate::preview::renderer::Picture;
+use crate::preview::renderer::{PassCount, Picture};
 use crate::scene::BodyId;
 use crate::workspace::OwnerId;
 use crate::world::World;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// The picture that is kept, and the scene that it shows.
 pub(super) struct MeasuredPicture {
@@ -22,6 +23,8 @@ pub struct MeasuredTwin {
     numbers: Vec<f32>,
     passes: u32,
     transform: ViewTransform,
+    /// When it is set, the picture is no longer wanted.
+    pub cancelled: Arc<AtomicBool>,
 }
 
 impl Workshop {
@@ -34,7 +37,8 @@ impl Workshop {
         values.move_to(OwnerId::Body(body), switch, [1.0; 3]);
         let subject = Subject { formula: Arc::new(formula), world: Arc::clone(&self.world), view };
         let engine = self.engine();
-        Some(MeasuredTwin { subject, engine, numbers: values.numbers().to_vec(), passes, transform: self.picture.view })
+        let (numbers, transform, cancelled) = (values.numbers().to_vec(), self.picture.view, Arc::default());
+        Some(MeasuredTwin { subject, engine, numbers, passes, transform, cancelled })
     }
 
     /// The picture with a measured material, if one was made.
@@ -61,18 +65,23 @@ impl Workshop {
 }
 
 impl MeasuredTwin {
-    /// Makes the picture.
+    /// Makes the picture. One processor is left for charts and for the current picture.
     ///
     /// # Errors
-    /// It cannot be made: a message for the user.
+    /// It cannot be made, or was cancelled: a message for the user.
     pub fn picture(&self) -> Result<Picture, String> {
-        let frame = self.engine.picture(&self.subject, &self.numbers, self.passes, &Task::UNWATCHED);
+        let task = Task { cancelled: &self.cancelled, ..Task::UNWATCHED };
+        let threads = rayon::current_num_threads().saturating_sub(1).max(1);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| error.to_string())?;
+        let frame = pool.install(|| self.engine.picture(&self.subject, &self.numbers, self.passes, &task));
         let mut frame = frame.map_err(|error| error.to_string())?;
         frame.clean();
         let bytes = quantise(&frame.linear, self.transform);
         let pixels =
             bytes.as_chunks::<3>().0.iter().map(|[red, green, blue]| u32::from_be_bytes([0, *red, *green, *blue])).collect();
         let (width, height) = (frame.width, frame.height);
-        Ok(Picture { width, height, full_size: [width, height], pixels, linear: Some(Arc::new(frame)), ..Picture::default() })
+        let (full_size, linear, shown) = ([width, height], Some(Arc::new(frame)), self.passes as usize);
+        let passes = PassCount { evaluated: shown, shown };
+        Ok(Picture { width, height, full_size, pixels, linear, passes, ..Picture::default() })
     }
 }

@@ -12,12 +12,12 @@ use std::path::Path;
 
 impl App {
     /// Follows a fit that runs, draws the panel for fits if it is open, and does what the user wants there.
-    pub(in crate::preview::app) fn fitting_ui(&mut self, ui: &mut Ui, sizes: &mut PanelSizes) {
+    pub(in crate::preview::app) fn fitting_ui(&mut self, ui: &mut Ui, (is_shown, most): (bool, f32), sizes: &mut PanelSizes) {
         self.fitting.follow(&self.workshop, self.parameters.selected());
-        if !self.fitting.open {
+        if !is_shown {
             return;
         }
-        for order in self.fitting.ui(ui, &self.workshop, self.pane.mode, sizes) {
+        for order in self.fitting.ui(ui, (&self.workshop, self.pane.mode), most, sizes) {
             match order {
                 FittingOrder::ChooseData => {
                     let near = self.fitting.data_file().or_else(|| self.session.as_ref().and_then(Location::file));

@@ -38,12 +38,12 @@ impl App {
         one_line(&name.unwrap_or_else(|| "formula".to_owned()))
     }
 
-    /// Draws the instruments, if they are open.
-    /// `beside` is the width that the picture and the panel at its right have together.
+    /// Draws the instruments, if they are open. `beside` is the width that the picture and the panel at its right have
+    /// together, and `most` the greatest height of the panel below it.
     pub(in crate::preview::app) fn instruments_ui(
         &mut self,
         ui: &mut Ui,
-        beside: f32,
+        (beside, most): (f32, f32),
         sizes: &mut PanelSizes,
         actions: &mut Vec<Action>,
     ) {
@@ -52,15 +52,22 @@ impl App {
         }
         let name = self.formula_name();
         let of = (self.parameters.selected(), name.as_str());
-        self.instruments.ui(ui, (&self.workshop, of), beside, sizes, actions);
+        self.instruments.compared = self.compared_material().map(Path::to_owned);
+        self.instruments.ui(ui, (&self.workshop, of), (beside, most), sizes, actions);
         let window = &mut self.user_state.settings.window;
         (window.instruments, window.instruments_at) = (self.instruments.open, self.instruments.dock);
     }
 
     /// Draws the instruments over the picture, if they are there.
     pub(in crate::preview::app) fn instruments_over_ui(&mut self, context: &Context, actions: &mut Vec<Action>) {
+        self.instruments.compared = self.compared_material().map(Path::to_owned);
+        if !self.instruments.open {
+            return;
+        }
+        let name = self.formula_name();
+        let of = (self.parameters.selected(), name.as_str());
         let window = &mut self.user_state.settings.window;
-        self.instruments.over_ui(context, (&self.workshop, self.pane.area()), &mut window.panels, actions);
+        self.instruments.over_ui(context, (&self.workshop, of), self.pane.area(), &mut window.panels, actions);
         (window.instruments, window.instruments_at) = (self.instruments.open, self.instruments.dock);
     }
 

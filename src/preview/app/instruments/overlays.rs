@@ -71,9 +71,10 @@ impl Overlays {
         })
     }
 
-    /// Draws the list. `now` is the name of the formula with its present values, which has the first colour. Returns
-    /// whether the list has changed, and the file that shall be compared in the picture.
-    pub(super) fn ui(&mut self, ui: &mut Ui, now: &str, theme: ChartTheme) -> (bool, Option<PathBuf>) {
+    /// Draws the list. `now` is the name of the formula with its present values, which has the first colour, and
+    /// `comparing` the file that is compared in the picture. Returns whether the list has changed, and the file whose
+    /// comparison shall begin or end.
+    pub(super) fn ui(&mut self, ui: &mut Ui, now: &str, theme: ChartTheme, comparing: Option<&Path>) -> (bool, Option<PathBuf>) {
         if self.models.is_empty() {
             return (false, None);
         }
@@ -85,14 +86,23 @@ impl Overlays {
                 if ui.small_button("×").on_hover_text(format!("Remove {}", overlay.name)).clicked() {
                     removed = Some(index);
                 }
-                if let OverlayContent::Measured(path, _) = &overlay.content {
-                    let about = "Compare in the picture: the left half has this material on the body, the right half the formula";
-                    if ui.small_button("Compare").on_hover_text(about).clicked() {
-                        compared = Some(path.clone());
-                    }
-                }
                 entry_ui(ui, index + 1, theme, &overlay.name, &overlay.about);
             });
+            if let OverlayContent::Measured(path, _) = &overlay.content {
+                let (name, about) = match comparing == Some(path) {
+                    true => ("End the comparison", "Show the formula alone in the picture"),
+                    false => (
+                        "Compare in the picture",
+                        "The left half of the picture has this material on the body, the right half the formula",
+                    ),
+                };
+                ui.horizontal(|ui| {
+                    ui.add_space(BELOW_NAME);
+                    if ui.small_button(name).on_hover_text(about).clicked() {
+                        compared = Some(path.clone());
+                    }
+                });
+            }
         }
         (removed.map(|index| self.models.remove(index)).is_some(), compared)
     }
@@ -105,6 +115,9 @@ impl Overlays {
         })
     }
 }
+
+/// How far the button of a material stands to the right, below its name, in points.
+const BELOW_NAME: f32 = 24.0;
 
 /// The colour of a model in charts, and its name.
 fn entry_ui(ui: &mut Ui, index: usize, theme: ChartTheme, name: &str, about: &str) {

@@ -18,8 +18,6 @@ const LEAST_PICTURE_WIDTH: f32 = 150.0;
 const TWO_COLUMNS: f32 = 360.0;
 /// The most of the height that choices above the chart take.
 const MOST_CHOICES: f32 = 0.45;
-/// The least height that is left for the picture, in points.
-const LEAST_PICTURE: f32 = 250.0;
 /// The width of the choices beside the chart, in points.
 const CONTROLS_WIDTH: f32 = 178.0;
 /// The distance of the window over the picture from the corner where it appears, in points.
@@ -27,12 +25,13 @@ const FROM_CORNER: f32 = 8.0;
 
 impl InstrumentPanel {
     /// Takes the current values, and draws the panel below the picture or at its right. `selected` is the owner whose
-    /// values are in view. `beside` is the width that the picture and the panel at its right have together.
+    /// values are in view. `beside` is the width that the picture and the panel at its right have together,
+    /// and `most` the greatest height of the panel below it.
     pub(in crate::preview::app) fn ui(
         &mut self,
         ui: &mut Ui,
         (workshop, (selected, formula)): (&Workshop, (OwnerId, &str)),
-        beside: f32,
+        (beside, most): (f32, f32),
         sizes: &mut PanelSizes,
         actions: &mut Vec<Action>,
     ) {
@@ -41,7 +40,7 @@ impl InstrumentPanel {
         }
         self.follow(workshop, selected, formula);
         match self.dock_within(beside) {
-            InstrumentDock::Below => self.below_ui(ui, (workshop, fits_right(beside)), sizes, actions),
+            InstrumentDock::Below => self.below_ui(ui, (workshop, fits_right(beside)), most, (sizes, actions)),
             InstrumentDock::Right => self.right_ui(ui, workshop, sizes, actions),
             InstrumentDock::Over => {}
         }
@@ -49,21 +48,20 @@ impl InstrumentPanel {
 
     /// Where the panel is, if picture and panel have this width together: not at the right if that is too narrow.
     pub(in crate::preview::app) fn dock_within(&self, width: f32) -> InstrumentDock {
-        if fits_right(width) { self.dock } else { InstrumentDock::Below }
+        if self.dock == InstrumentDock::Right && !fits_right(width) { InstrumentDock::Below } else { self.dock }
     }
 
     /// Draws the panel below the picture: choices at the left of the chart. `fits_right` says whether it could be at
-    /// the right of the picture.
+    /// the right of the picture, and `most` how high it is at most.
     fn below_ui(
         &mut self,
         ui: &mut Ui,
         (workshop, fits_right): (&Workshop, bool),
-        sizes: &mut PanelSizes,
-        actions: &mut Vec<Action>,
+        most: f32,
+        (sizes, actions): (&mut PanelSizes, &mut Vec<Action>),
     ) {
         let room = ui.available_height();
-        // The picture keeps some, too.
-        let most = (room - LEAST_PICTURE).min(0.62 * room).max(LEAST_HEIGHT);
+        let most = most.min(0.62 * room).max(LEAST_HEIGHT);
         let id = Id::new("instruments");
         let size = wanted_size(ui.ctx(), id, PanelSide::Instruments, sizes);
         let panel = Panel::bottom(id).resizable(true).default_size(size);
@@ -119,11 +117,13 @@ impl InstrumentPanel {
         });
     }
 
-    /// Draws the panel over the picture, which has this area. It appears in the lower right corner.
+    /// Takes the current values, and draws the panel over the picture, which has this area. It appears in the lower
+    /// right corner. See [`ui`](Self::ui).
     pub(in crate::preview::app) fn over_ui(
         &mut self,
         context: &Context,
-        (workshop, area): (&Workshop, Rect),
+        (workshop, (selected, formula)): (&Workshop, (OwnerId, &str)),
+        area: Rect,
         sizes: &mut PanelSizes,
         actions: &mut Vec<Action>,
     ) {
@@ -135,6 +135,7 @@ impl InstrumentPanel {
             // The picture takes the room that the panel leaves in the next frame.
             return context.request_repaint();
         }
+        self.follow(workshop, selected, formula);
         let wanted = [PanelSide::InstrumentsOverWidth, PanelSide::InstrumentsOverHeight].map(|side| sizes.get(side));
         let most = (area.size() - vec2(2.0, 2.0) * FROM_CORNER).max(vec2(LEAST_WIDTH, LEAST_HEIGHT));
         let corner = area.right_bottom() - vec2(FROM_CORNER, FROM_CORNER);

@@ -94,7 +94,7 @@ fn saved_numbers_are_those_of_the_closed_form() {
     let mut count = 0;
     // A matte BRDF is its albedo over π, in every direction.
     for row in rows {
-        let numbers = row.split(',').skip(1).map(|number| number.parse::<f64>().unwrap()).filter(|number| number.is_finite());
+        let numbers = row.split(',').skip(1).filter(|cell| !cell.is_empty()).map(|number| number.parse::<f64>().unwrap());
         for number in numbers {
             assert!((number - 0.5 / std::f64::consts::PI).abs() < 1e-5, "{row}");
             count += 1;
@@ -366,7 +366,7 @@ fn a_measured_material_is_beside_the_formula_and_in_the_picture() {
     harness.state_mut().jobs.wait();
     let text = std::fs::read_to_string(numbers).unwrap();
     for row in text.lines().skip(1) {
-        let found = row.split(',').skip(1).map(|number| number.parse::<f64>().unwrap()).filter(|number| number.is_finite());
+        let found = row.split(',').skip(1).filter(|cell| !cell.is_empty()).map(|number| number.parse::<f64>().unwrap());
         found.for_each(|number| assert!((number - 0.5 / std::f64::consts::PI).abs() < 1e-5, "{row}"));
     }
     // The picture with the material is that of the formula, which has the same albedo.
@@ -538,4 +538,32 @@ fn the_camera_is_led_while_a_measured_material_is_compared() {
     let twin = app.workshop.measured_picture().expect("a picture");
     assert!(app.workshop.measured_shows_scene() && largest_difference(&twin.pixels, &now) <= 1);
     assert_ne!(app.pane.picture(&app.workshop).version, app.workshop.shown().version, "the comparison is in view again");
+}
+
+#[test]
+fn a_comparison_ends_by_its_button_and_makes_nothing_more() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut harness, path) = with_matte(folder.path());
+    harness.state_mut().perform(Action::TogglePanel(PanelId::Instruments));
+    harness.state_mut().perform(Action::Instruments(InstrumentAction::AddMeasured(path)));
+    harness.state_mut().jobs.wait();
+    harness.set_size(egui::vec2(1280.0, 1000.0));
+    harness.run_steps(4);
+    harness.get_by_label("Compare in the picture").click();
+    harness.run_steps(2);
+    settle_measured(&mut harness);
+    assert!(harness.state().pane.mode.pair().is_some());
+    harness.get_by_label("End the comparison").click();
+    harness.run_steps(2);
+    assert_eq!(harness.state().pane.mode, comparison::PaneMode::Current);
+    assert!(harness.state().workshop.measured_picture().is_none() && harness.state().measured.progress().is_none());
+    // Left by the menu while a picture is being made, nothing is made any more.
+    harness.get_by_label("Compare in the picture").click();
+    harness.run_steps(2);
+    settle_measured(&mut harness);
+    set_all(&mut harness, "part", 0.25);
+    settle(&mut harness);
+    harness.state_mut().pane.mode = comparison::PaneMode::Current;
+    harness.run_steps(2);
+    assert!(harness.state().measured.progress().is_none());
 }

@@ -102,14 +102,10 @@ fn panels_get_their_sizes_back_when_there_is_room_again() {
     harness.state_mut().perform(Action::TogglePanel(PanelId::Instruments));
     let before = height(&mut harness, [1280.0, 900.0]);
     assert_eq!(before, 380.0);
-    for panel in [PanelId::Log, PanelId::Inspector] {
-        harness.state_mut().perform(Action::TogglePanel(panel));
-    }
+    harness.state_mut().perform(Action::TogglePanel(PanelId::Log));
     let small = height(&mut harness, [900.0, 600.0]);
     assert!(small < 0.7 * before, "{small}");
-    for panel in [PanelId::Log, PanelId::Inspector] {
-        harness.state_mut().perform(Action::TogglePanel(panel));
-    }
+    harness.state_mut().perform(Action::TogglePanel(PanelId::Log));
     assert_eq!(height(&mut harness, [1280.0, 900.0]), before);
 }
 
@@ -125,4 +121,30 @@ fn charts_have_room_in_a_small_window() {
         let pane = harness.state().pane.area();
         assert!(pane.width() >= 150.0 && pane.height() >= 120.0, "{pane:?} at {size:?}");
     }
+}
+
+#[test]
+fn panels_below_never_take_the_picture_and_become_tabs() {
+    let mut harness = harness();
+    for panel in [PanelId::Inspector, PanelId::Instruments, PanelId::Fitting] {
+        harness.state_mut().perform(Action::TogglePanel(panel));
+        harness.run_steps(2);
+    }
+    let tabs =
+        |harness: &Harness<'_, App>| harness.query_by_label("Start fit").is_some() != harness.query_by_label("Keep").is_some();
+    for (size, has_tabs) in [([900.0, 600.0], true), ([1024.0, 700.0], true), ([1440.0, 900.0], false)] {
+        harness.set_size(egui::vec2(size[0], size[1]));
+        harness.run_steps(6);
+        let pane = harness.state().pane.area();
+        assert!(pane.width() >= 150.0 && pane.height() >= 100.0, "{pane} at {size:?}");
+        assert_eq!(tabs(&harness), has_tabs, "at {size:?}");
+    }
+    harness.set_size(egui::vec2(900.0, 600.0));
+    harness.run_steps(6);
+    // The panel that was opened last is in view, and a tab chooses another one.
+    assert!(harness.query_by_label("Start fit").is_some() && harness.query_by_label("Keep").is_none());
+    let tab = harness.query_all_by_label("Instruments").last().expect("a tab");
+    tab.click();
+    harness.run_steps(6);
+    assert!(harness.query_by_label("Start fit").is_none() && harness.query_by_label("Keep").is_some());
 }
