@@ -8,6 +8,7 @@
 //!
 //! [`words`] and [`charts`] say what came out. Where that is shown is not known here.
 
+mod certainty;
 #[cfg(feature = "plot")]
 pub mod charts;
 pub mod directions;
@@ -24,8 +25,14 @@ use crate::fit::normal::NormalEquations;
 
 /// How far a formula is from data, for values of its unknown numbers.
 pub trait Misfit: Sync {
+    /// The residuals at these values and their derivatives by each of them, multiplied out and added to `none`, which
+    /// has no data.
+    fn evaluate_into(&self, values: &[f64], none: &NormalEquations) -> NormalEquations;
+
     /// The residuals at these values and their derivatives by each of them, multiplied out.
-    fn evaluate(&self, values: &[f64]) -> NormalEquations;
+    fn evaluate(&self, values: &[f64]) -> NormalEquations {
+        self.evaluate_into(values, &NormalEquations::new(values.len()))
+    }
 }
 
 #[cfg(test)]

@@ -7,6 +7,8 @@ use nalgebra::{DMatrix, DVector};
 #[derive(Debug, Clone, PartialEq)]
 pub struct NormalEquations {
     products: DMatrix<f64>,
+    /// Jᵀ·diag(r²)·J, where it is wanted: how much the residuals scatter where each unknown counts.
+    scatter: Option<DMatrix<f64>>,
     /// The sum of the weights of the data.
     weight: f64,
     /// How many residuals there are.
@@ -16,7 +18,12 @@ pub struct NormalEquations {
 impl NormalEquations {
     /// No data, for this many unknowns.
     pub fn new(unknowns: usize) -> Self {
-        Self { products: DMatrix::zeros(unknowns + 1, unknowns + 1), weight: 0.0, count: 0 }
+        Self { products: DMatrix::zeros(unknowns + 1, unknowns + 1), scatter: None, weight: 0.0, count: 0 }
+    }
+
+    /// No data, for this many unknowns. Those that are added tell how they scatter too.
+    pub fn with_scatter(unknowns: usize) -> Self {
+        Self { scatter: Some(DMatrix::zeros(unknowns, unknowns)), ..Self::new(unknowns) }
     }
 
     /// How many unknowns there are.
@@ -33,6 +40,14 @@ impl NormalEquations {
                 self.products[(at, column)] += factor * other;
             }
         }
+        let (Some(scatter), Some((residual, slopes))) = (&mut self.scatter, row.split_last()) else { return };
+        let square = (weight * residual).powi(2);
+        for (column, factor) in slopes.iter().enumerate() {
+            let factor = square * factor;
+            for (at, other) in slopes[..=column].iter().enumerate() {
+                scatter[(at, column)] += factor * other;
+            }
+        }
     }
 
     /// Counts this many data of a weight together, by which means are taken.
@@ -45,6 +60,9 @@ impl NormalEquations {
     #[must_use]
     pub fn join(mut self, other: &Self) -> Self {
         self.products += &other.products;
+        if let (Some(scatter), Some(other)) = (&mut self.scatter, &other.scatter) {
+            *scatter += other;
+        }
         self.weight += other.weight;
         self.count += other.count;
         self
@@ -61,11 +79,14 @@ impl NormalEquations {
         if self.weight > 0.0 { (self.square() / self.weight).sqrt() } else { 0.0 }
     }
 
-    /// The variance of a residual of weight 1, if the residuals are noise. `None` if there are no more data than
-    /// unknowns.
-    pub fn variance(&self) -> Option<f64> {
+    /// Jᵀ·diag(r²)·J · n/(n − p) for n data and p unknowns: the middle of the covariance by White (1980), with the
+    /// factor that MacKinnon and White (1985) call HC1. `None` if there are no more data than unknowns, or nobody
+    /// wanted it.
+    pub fn scatter(&self) -> Option<DMatrix<f64>> {
         let rest = self.count.checked_sub(self.unknowns()).filter(|rest| *rest > 0)?;
-        Some(self.square() / rest as f64)
+        let mut scatter = self.scatter.clone()?;
+        scatter.fill_lower_triangle_with_upper_triangle();
+        Some(scatter * (self.count as f64 / rest as f64))
     }
 
     /// The same data for other unknowns, on which these depend. `slopes` has a row for each of these, and a column for
@@ -78,7 +99,12 @@ impl NormalEquations {
         change[(from, to)] = 1.0;
         let mut whole = self.products.clone();
         whole.fill_lower_triangle_with_upper_triangle();
-        Self { products: change.transpose() * whole * change, weight: self.weight, count: self.count }
+        let scatter = self.scatter.as_ref().map(|scatter| {
+            let mut scatter = scatter.clone();
+            scatter.fill_lower_triangle_with_upper_triangle();
+            slopes.transpose() * scatter * slopes
+        });
+        Self { products: change.transpose() * whole * change, scatter, weight: self.weight, count: self.count }
     }
 
     /// JᵀJ.

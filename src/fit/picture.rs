@@ -80,17 +80,17 @@ impl PictureMisfit {
 }
 
 impl Misfit for PictureMisfit {
-    fn evaluate(&self, values: &[f64]) -> NormalEquations {
+    fn evaluate_into(&self, values: &[f64], none: &NormalEquations) -> NormalEquations {
         let numbers = self.numbers(values);
         let picture = self.sensitivity.picture(&numbers);
         let one = |index: &usize| self.sensitivity.change(&numbers, &[(*index, 1.0)]);
         let changes: Vec<Frame> = self.unknowns.iter().map(one).collect();
         let part = |(index, pixels): (usize, &[[f32; 3]])| {
-            let mut equations = NormalEquations::new(self.unknowns.len());
+            let mut equations = none.clone();
             self.add(&mut equations, index * AT_ONCE, pixels, &changes);
             equations
         };
         let parts: Vec<NormalEquations> = picture.linear.par_chunks(AT_ONCE).enumerate().map(part).collect();
-        parts.iter().fold(NormalEquations::new(self.unknowns.len()), NormalEquations::join)
+        parts.iter().fold(none.clone(), NormalEquations::join)
     }
 }

@@ -107,11 +107,11 @@ impl SampleMisfit {
 
 impl Misfit for SampleMisfit {
     /// Where the formula is no number, it counts as 0, so that such values are not taken for good ones.
-    fn evaluate(&self, values: &[f64]) -> NormalEquations {
+    fn evaluate_into(&self, values: &[f64], none: &NormalEquations) -> NormalEquations {
         let found = self.program.run(&self.pairs, &self.numbers(values));
         let (outputs, unknowns) = (self.program.outputs(), self.unknowns.len());
         let part = |(found, wanted): (&[f32], &[([f64; 3], f64)])| {
-            let mut equations = NormalEquations::new(unknowns);
+            let mut equations = none.clone();
             let mut row = vec![0.0; unknowns + 1];
             for (found, (wanted, weight)) in found.chunks_exact(outputs).zip(wanted) {
                 for (component, wanted) in wanted.iter().enumerate() {
@@ -131,6 +131,6 @@ impl Misfit for SampleMisfit {
         };
         let parts: Vec<NormalEquations> =
             found.par_chunks(AT_ONCE * outputs).zip(self.wanted.par_chunks(AT_ONCE)).map(part).collect();
-        parts.iter().fold(NormalEquations::new(unknowns), NormalEquations::join)
+        parts.iter().fold(none.clone(), NormalEquations::join)
     }
 }

@@ -1,12 +1,13 @@
 //! The minimum of a misfit by the method of Levenberg (1944) and Marquardt (1963), from several starts.
 
 use crate::fit::Misfit;
+use crate::fit::certainty::{Certainty, Placing};
 use crate::fit::normal::NormalEquations;
-use crate::fit::unknowns::{FitNumber, Unknowns};
+use crate::fit::unknowns::{FitNumber, LimitOrigin, Unknowns};
 use crate::sampling::EvenSequence;
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
-use nalgebra::{DMatrix, DVector, Dyn, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, Dyn};
 use std::cell::{Cell, RefCell};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -50,14 +51,21 @@ pub struct Solution {
     pub values: Vec<f64>,
     /// The root mean square of residuals before and after.
     pub residuals: [f64; 2],
-    /// How exact each free value is: its standard deviation, if the residuals are noise. `None` for numbers that the
-    /// data do not determine.
+    /// How exact each free value is: its standard deviation, if the residuals are noise, which may be larger for some
+    /// data than for others. `None` for numbers that the data do not determine.
     pub deviations: Vec<Option<f64>>,
     /// Groups of free numbers that the data determine only together, or, alone in a group, not at all.
     pub undetermined: Vec<Vec<FitNumber>>,
     /// Those of [`undetermined`](Self::undetermined) that have an effect in steps, such as thresholds. Their derivative
     /// is 0, so they did not move.
     pub stepwise: Vec<FitNumber>,
+    /// Those of [`undetermined`](Self::undetermined) that have no effect at these values, but one elsewhere in their
+    /// range.
+    pub elsewhere: Vec<FitNumber>,
+    /// At which end of its range each free number stands: the lower or the upper one.
+    pub ends: Vec<Option<usize>>,
+    /// The limits by invariants that bind, each with the index of its bound.
+    pub binding: Vec<(LimitOrigin, usize)>,
     /// The outcome of each start, in their order.
     pub starts: Vec<StartOutcome>,
     /// Whether it was cancelled. The values are the best so far.
@@ -84,6 +92,7 @@ pub fn solve(
         best: Cell::new(before.root_mean_square()),
         best_values: RefCell::new(start.clone()),
     };
+    let mut best: Option<Descent> = None;
     let mut starts: Vec<StartOutcome> = Vec::new();
     let sequence = EvenSequence::new(unknowns.free().max(1));
     for index in 0..context.starts {
@@ -96,40 +105,34 @@ pub fn solve(
             let place: Vec<f64> = (0..unknowns.free()).map(|axis| sequence.coordinate(index, axis)).collect();
             unknowns.start_at(&place)
         };
-        starts.push(context.descend(variables, index, ROUGH));
-        let exact = 1e-7 * before.root_mean_square().max(1e-12);
-        if starts.last().is_some_and(|outcome| outcome.residual <= exact) {
+        let descent = context.descend(variables, index, ROUGH);
+        starts.push(descent.outcome.clone());
+        let exact = descent.outcome.residual <= 1e-7 * before.root_mean_square().max(1e-12);
+        best = lower(best, descent);
+        if exact {
             break;
         }
     }
-    let best = starts.iter().filter(|outcome| outcome.residual.is_finite());
-    let best = best.min_by(|one, other| one.residual.total_cmp(&other.residual)).map(|outcome| outcome.values.clone());
-    let mut values = best.unwrap_or_else(|| start.clone());
-    if !cancelled.load(Ordering::Relaxed) {
-        let finished = context.descend(unknowns.variables_exactly(&values), context.starts, FINE);
-        values = finished.values;
+    if let (Some(found), false) = (&best, cancelled.load(Ordering::Relaxed)) {
+        let finished = context.descend(unknowns.variables_exactly(&found.outcome.values), context.starts, FINE);
+        best = lower(best, finished);
     }
-    if cancelled.load(Ordering::Relaxed) {
+    let found = match best {
+        Some(best) if !cancelled.load(Ordering::Relaxed) => (best.outcome.values, best.unknowns),
         // A start that was given up ends at values that it was only trying.
-        values = context.best_values.take();
-    }
-    values = unknowns.settled(&values);
-    let mut after = misfit.evaluate(&values);
-    if before.root_mean_square() < after.root_mean_square() || !after.is_finite() {
-        values = start;
-        after = before.clone();
-    }
-    let (deviations, undetermined) = certainty(unknowns, &after);
-    let stepwise = stepwise(misfit, unknowns, &values, &undetermined);
-    progress(FitProgress { share: 1.0, residual: after.root_mean_square() });
-    Solution {
-        residuals: [before.root_mean_square(), after.root_mean_square()],
-        values,
-        deviations,
-        undetermined,
-        stepwise,
-        starts,
-        cancelled: cancelled.load(Ordering::Relaxed),
+        Some(_) | None => (unknowns.settled(&context.best_values.take()), unknowns.clone()),
+    };
+    let told = context.told(found, &before);
+    progress(FitProgress { share: 1.0, residual: told.residuals[1] });
+    Solution { starts, cancelled: cancelled.load(Ordering::Relaxed), ..told }
+}
+
+/// The lower one of two ends.
+fn lower(known: Option<Descent>, other: Descent) -> Option<Descent> {
+    match known {
+        Some(known) if known.outcome.residual.total_cmp(&other.outcome.residual).is_le() => Some(known),
+        Some(known) if !other.outcome.residual.is_finite() => Some(known),
+        Some(_) | None => Some(other).filter(|other| other.outcome.residual.is_finite()),
     }
 }
 
@@ -137,14 +140,16 @@ pub fn solve(
 #[derive(Clone, Copy)]
 struct Closeness {
     tolerance: f64,
+    /// Whether numbers at a bound begin there, not a little inside.
+    is_exact: bool,
     /// The most evaluations, as a multiple of the number of unknowns.
     patience: usize,
 }
 
 /// For comparing starts.
-const ROUGH: Closeness = Closeness { tolerance: 1e-6, patience: 12 };
+const ROUGH: Closeness = Closeness { tolerance: 1e-6, is_exact: false, patience: 12 };
 /// For the result.
-const FINE: Closeness = Closeness { tolerance: 1e-12, patience: 60 };
+const FINE: Closeness = Closeness { tolerance: 1e-12, is_exact: true, patience: 60 };
 
 /// What all starts share.
 struct Context<'c> {
@@ -159,28 +164,114 @@ struct Context<'c> {
     best_values: RefCell<Vec<f64>>,
 }
 
+/// Where a start ended.
+struct Descent {
+    outcome: StartOutcome,
+    /// The unknowns with the limits that bind there.
+    unknowns: Unknowns,
+}
+
 impl Context<'_> {
-    /// Goes down from a start.
-    fn descend(&self, variables: Vec<f64>, index: u32, closeness: Closeness) -> StartOutcome {
+    /// Goes down from a start. Limits that are exceeded there are equalities from then on.
+    fn descend(&self, variables: Vec<f64>, index: u32, closeness: Closeness) -> Descent {
+        let mut unknowns = self.unknowns.clone();
+        let (mut variables, mut evaluations) = self.descend_within(&unknowns, variables, (index, 0), closeness);
+        while let Some(bound) = unknowns.bound(&variables) {
+            let settled = self.unknowns.settled(&unknowns.values(&variables));
+            unknowns = bound;
+            variables = match closeness.is_exact {
+                true => unknowns.variables_exactly(&settled),
+                false => unknowns.variables(&settled),
+            };
+            if !unknowns.moving().is_empty() {
+                (variables, evaluations) = self.descend_within(&unknowns, variables, (index, evaluations), closeness);
+            }
+        }
+        let values = self.unknowns.settled(&unknowns.values(&variables));
+        let equations = self.misfit.evaluate(&values);
+        let residual = if equations.is_finite() { equations.root_mean_square() } else { f64::INFINITY };
+        if !self.cancelled.load(Ordering::Relaxed) {
+            self.note(&values, residual);
+        }
+        Descent { outcome: StartOutcome { values, residual, evaluations: evaluations + 1 }, unknowns }
+    }
+
+    /// Keeps values if they are the best so far.
+    fn note(&self, values: &[f64], residual: f64) {
+        if residual < self.best.get() {
+            self.best.set(residual);
+            *self.best_values.borrow_mut() = values.to_vec();
+        }
+    }
+
+    /// What the values that were found mean, beside the starts that led to them.
+    fn told(&self, (mut values, mut unknowns): (Vec<f64>, Unknowns), before: &NormalEquations) -> Solution {
+        let misfit = self.misfit;
+        let whole = |values: &[f64]| misfit.evaluate_into(values, &NormalEquations::with_scatter(values.len()));
+        let start = self.unknowns.start();
+        let after = misfit.evaluate(&values);
+        if before.root_mean_square() < after.root_mean_square() || !after.is_finite() {
+            (values, unknowns) = (start, self.unknowns.clone());
+        }
+        let placing = Placing { misfit, unknowns: self.unknowns, rounding: 1e-13 * before.square() };
+        placing.at_bounds(&mut values);
+        let mut after = whole(&values);
+        let mut certainty = Certainty::new(&unknowns, &after);
+        let found = values.clone();
+        placing.at_start(&mut values, &certainty.undetermined);
+        if values != found {
+            after = whole(&values);
+            certainty = Certainty::new(&unknowns, &after);
+        }
+        let Certainty { deviations, undetermined } = certainty;
+        let [stepwise, elsewhere] = Placing { unknowns: &unknowns, ..placing }.lone_effects(&values, &undetermined);
+        let numbers = unknowns.numbers();
+        let end = |free: usize| {
+            let has_effect = !undetermined.iter().any(|group| *group == [numbers[free]]);
+            let end = unknowns.bound_at(free, values[free]).or_else(|| unknowns.sole_end(free));
+            end.filter(|_| has_effect)
+        };
+        Solution {
+            residuals: [before.root_mean_square(), after.root_mean_square()],
+            ends: (0..unknowns.free()).map(end).collect(),
+            binding: unknowns.binding(),
+            values,
+            deviations,
+            undetermined,
+            stepwise,
+            elsewhere,
+            starts: Vec::new(),
+            cancelled: false,
+        }
+    }
+
+    /// Goes down from variables of unknowns. Returns those at the end, and the number of evaluations up to there.
+    fn descend_within(
+        &self,
+        unknowns: &Unknowns,
+        variables: Vec<f64>,
+        (index, evaluations): (u32, usize),
+        closeness: Closeness,
+    ) -> (Vec<f64>, usize) {
         let problem = VariableProblem {
             context: self,
+            unknowns,
             index,
-            limit: closeness.patience * (self.unknowns.free() + 1),
+            limit: closeness.patience * (unknowns.moving().len() + 1),
             variables: DVector::from_vec(variables),
             equations: RefCell::default(),
-            evaluations: Cell::new(0),
+            evaluations: Cell::new(evaluations),
         };
         let solver = LevenbergMarquardt::new().with_tol(closeness.tolerance).with_patience(closeness.patience);
         let (problem, _) = solver.minimize(problem);
-        let values = self.unknowns.values(problem.variables.as_slice());
-        let residual = problem.equations().map_or(f64::INFINITY, |equations| equations.root_mean_square());
-        StartOutcome { values, residual, evaluations: problem.evaluations.get() }
+        (problem.variables.as_slice().to_vec(), problem.evaluations.get())
     }
 }
 
 /// The misfit as the solver sees it: a Jacobian of one more row than there are unknowns.
 struct VariableProblem<'p> {
     context: &'p Context<'p>,
+    unknowns: &'p Unknowns,
     index: u32,
     /// How many evaluations are expected at most.
     limit: usize,
@@ -194,7 +285,7 @@ impl VariableProblem<'_> {
     /// The equations at the variables; `None` if they are no numbers, or the fit is cancelled.
     fn equations(&self) -> Option<NormalEquations> {
         if self.equations.borrow().is_none() {
-            let Context { misfit, unknowns, strictness, .. } = *self.context;
+            let (misfit, strictness, unknowns) = (self.context.misfit, self.context.strictness, self.unknowns);
             let variables = self.variables.as_slice();
             let equations = misfit.evaluate(&unknowns.values(variables));
             let equations = unknowns.in_variables(&equations, variables, strictness);
@@ -207,10 +298,10 @@ impl VariableProblem<'_> {
 
     fn tell(&self, equations: &NormalEquations) {
         let context = self.context;
-        let residual = equations.root_mean_square();
-        if residual < context.best.get() {
-            context.best.set(residual);
-            *context.best_values.borrow_mut() = context.unknowns.values(self.variables.as_slice());
+        let variables = self.variables.as_slice();
+        // Values outside of the invariants are no result.
+        if self.unknowns.keeps_limits(variables) {
+            context.note(&self.unknowns.values(variables), equations.root_mean_square());
         }
         let own = (self.evaluations.get() as f64 / self.limit as f64).min(1.0);
         let share = (f64::from(self.index) + own) / f64::from(context.starts + 1);
@@ -242,67 +333,4 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for VariableProblem<'_> {
     fn jacobian(&self) -> Option<DMatrix<f64>> {
         Some(self.equations()?.reduced().0)
     }
-}
-
-/// The numbers without a derivative that change the misfit if they move far.
-fn stepwise(misfit: &dyn Misfit, unknowns: &Unknowns, values: &[f64], undetermined: &[Vec<FitNumber>]) -> Vec<FitNumber> {
-    let numbers = unknowns.numbers();
-    let here = misfit.evaluate(values).square();
-    let has_effect = |number: &FitNumber| {
-        let Some(index) = numbers.iter().position(|known| known == number) else { return false };
-        let ends = unknowns.ends(index, values[index]);
-        let places = [ends[0], 0.5 * (ends[0] + ends[1]), ends[1]];
-        places.into_iter().any(|place| {
-            let mut moved = values.to_vec();
-            moved[index] = place;
-            let there = misfit.evaluate(&unknowns.settled(&moved)).square();
-            (there - here).abs() > 1e-9 * here.max(there)
-        })
-    };
-    let alone = undetermined.iter().filter_map(|group| if let [one] = group.as_slice() { Some(*one) } else { None });
-    alone.filter(has_effect).collect()
-}
-
-/// The standard deviations of the free values, and the groups that the data do not determine.
-fn certainty(unknowns: &Unknowns, equations: &NormalEquations) -> (Vec<Option<f64>>, Vec<Vec<FitNumber>>) {
-    /// Directions of less curvature, with all numbers scaled alike, are flat.
-    const FLAT: f64 = 1e-9;
-    /// The smallest part of a number in a flat direction that counts.
-    const PART: f64 = 1e-3;
-    let free = unknowns.free();
-    let own = equations.in_terms_of(&unknowns.slopes());
-    let curvature = own.curvature();
-    let scale: Vec<f64> = (0..free).map(|index| curvature[(index, index)].sqrt()).collect();
-    let largest = (0..free).map(|index| scale[index] * unknowns.width(index)).fold(0.0, f64::max);
-    let without_effect = |index: usize| scale[index] * unknowns.width(index) <= FLAT * largest;
-    let numbers = unknowns.numbers();
-    let mut groups: Vec<Vec<FitNumber>> =
-        (0..free).filter(|index| without_effect(*index)).map(|index| vec![numbers[index]]).collect();
-    let others: Vec<usize> = (0..free).filter(|index| !without_effect(*index)).collect();
-    let scaled = DMatrix::from_fn(others.len(), others.len(), |row, column| {
-        let (row, column) = (others[row], others[column]);
-        curvature[(row, column)] / (scale[row] * scale[column])
-    });
-    let mut deviations = vec![None; free];
-    if others.is_empty() || scaled.iter().any(|value| !value.is_finite()) {
-        return (deviations, groups);
-    }
-    let eigen = SymmetricEigen::new(scaled);
-    let mut flat = vec![false; others.len()];
-    for column in (0..others.len()).filter(|column| eigen.eigenvalues[*column] < FLAT) {
-        let members: Vec<usize> = (0..others.len()).filter(|row| eigen.eigenvectors[(*row, column)].abs() > PART).collect();
-        members.iter().for_each(|row| flat[*row] = true);
-        groups.push(members.into_iter().map(|row| numbers[others[row]]).collect());
-    }
-    let Some(variance) = own.variance() else { return (deviations, groups) };
-    for (row, index) in others.iter().enumerate().filter(|(row, _)| !flat[*row]) {
-        let inverse = (0..others.len())
-            .filter(|column| eigen.eigenvalues[*column] >= FLAT)
-            .map(|column| eigen.eigenvectors[(row, column)].powi(2) / eigen.eigenvalues[column])
-            .sum::<f64>();
-        let deviation = (variance * inverse).sqrt() / scale[*index];
-        // Where it may be anywhere in its range, nothing is known of it.
-        deviations[*index] = Some(deviation).filter(|deviation| *deviation < unknowns.width(*index));
-    }
-    (deviations, groups)
 }

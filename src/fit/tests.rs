@@ -1,5 +1,7 @@
 //! Known parameters are found again: from reflectance, and from pictures.
 
+mod certainty;
+
 use crate::engine::{Engine, Subject, Task};
 use crate::fit::directions::{LARGEST_ANGLE, pairs};
 use crate::fit::metric::{METRICS, Metric};

@@ -4,6 +4,10 @@
 //! A number with bounds is a smooth function of a variable without: a sine between the bounds (as in MINUIT, James and
 //! Roos 1975), of the logarithm if the bounds are far apart. So the method of Levenberg and Marquardt, which knows no
 //! bounds, stays within them.
+//!
+//! An invariant `<=` that the search would leave becomes an equality, see [`binding`].
+
+mod binding;
 
 use crate::fit::normal::NormalEquations;
 use crate::formula::invariants::InvariantSystem;
@@ -11,7 +15,7 @@ use crate::formula::{Formula, ParameterId};
 use crate::lang::ast::Relation;
 use crate::lang::types::Type;
 use crate::lang::variables::Owner;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, RowDVector};
 use thiserror::Error;
 
 /// A component of a parameter of a body, of a light, or of the scene.
@@ -82,14 +86,52 @@ struct LinearSum {
     terms: Vec<(usize, f64)>,
 }
 
+impl LinearSum {
+    fn of(&self, free: &[f64]) -> f64 {
+        self.constant + self.terms.iter().map(|(at, factor)| factor * free[*at]).sum::<f64>()
+    }
+}
+
+/// Where a limit comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum LimitOrigin {
+    /// An invariant `<=` of these parameters.
+    Sum(Vec<FitNumber>),
+    /// The range of a number that follows by an invariant.
+    Follower(FitNumber),
+    /// The range of a number that would be free without an invariant that binds.
+    Own(FitNumber),
+}
+
+/// A sum that has to stay between two bounds.
+#[derive(Debug, Clone, PartialEq)]
+struct SumLimit {
+    sum: LinearSum,
+    ends: [f64; 2],
+    origin: LimitOrigin,
+}
+
+impl SumLimit {
+    /// How far the sum is above the upper bound, or, negative, below the lower one.
+    fn outside(&self, free: &[f64]) -> f64 {
+        let value = self.sum.of(free);
+        value - value.clamp(self.ends[0], self.ends[1])
+    }
+}
+
 /// The unknown numbers of a fit. *Values* are those of all [`numbers`](Self::numbers), as parameters have them.
-/// *Variables* are what is solved for: one for each number that is free.
+/// *Variables* are what is solved for: one for each free number that no binding invariant holds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unknowns {
     free: Vec<FreeNumber>,
     followers: Vec<(FitNumber, LinearSum)>,
-    /// Sums that must not exceed 1, or fall below 0.
-    limits: Vec<LinearSum>,
+    limits: Vec<SumLimit>,
+    /// The indices of the free numbers that have variables.
+    moving: Vec<usize>,
+    /// The other free numbers, and how they follow from those.
+    held: Vec<(usize, LinearSum)>,
+    /// The limits that bind, each with the index of the bound that is reached.
+    binding: Vec<(usize, usize)>,
     start: Vec<f64>,
 }
 
@@ -149,7 +191,15 @@ impl Unknowns {
         if numbers.is_empty() {
             return Err(UnknownsError::Nothing);
         }
-        let mut unknowns = Self { free: numbers, followers: Vec::new(), limits: Vec::new(), start: Vec::new() };
+        let mut unknowns = Self {
+            moving: (0..numbers.len()).collect(),
+            free: numbers,
+            followers: Vec::new(),
+            limits: Vec::new(),
+            held: Vec::new(),
+            binding: Vec::new(),
+            start: Vec::new(),
+        };
         unknowns.follow(formula, &systems, value);
         let starts = unknowns.free.iter().map(|free| {
             let FitNumber { parameter, owner, component } = free.number;
@@ -176,8 +226,10 @@ impl Unknowns {
             for dependent in &dependents {
                 let follower = self.sum(owner, dependent.constant, &dependent.terms, value);
                 if !follower.terms.is_empty() {
-                    self.limits.push(follower.clone());
-                    self.followers.push((FitNumber { parameter: dependent.parameter, owner, component: 0 }, follower));
+                    let number = FitNumber { parameter: dependent.parameter, owner, component: 0 };
+                    let origin = LimitOrigin::Follower(number);
+                    self.limits.push(SumLimit { sum: follower.clone(), ends: [0.0, 1.0], origin });
+                    self.followers.push((number, follower));
                 }
             }
             for line in formula.invariants.iter().filter(|line| line.relation == Relation::AtMost) {
@@ -191,9 +243,11 @@ impl Unknowns {
                         None => terms.push((id, 1.0)),
                     }
                 }
-                let limit = self.sum(owner, constant, &terms, value);
-                if !limit.terms.is_empty() {
-                    self.limits.push(limit);
+                let sum = self.sum(owner, constant, &terms, value);
+                if !sum.terms.is_empty() {
+                    let number = |parameter: &ParameterId| FitNumber { parameter: *parameter, owner, component: 0 };
+                    let origin = LimitOrigin::Sum(line.terms.iter().map(number).collect());
+                    self.limits.push(SumLimit { sum, ends: [f64::NEG_INFINITY, 1.0], origin });
                 }
             }
         }
@@ -233,39 +287,63 @@ impl Unknowns {
         self.with_followers(self.start.clone())
     }
 
-    fn with_followers(&self, mut values: Vec<f64>) -> Vec<f64> {
-        let of = |sum: &LinearSum| {
-            (sum.constant + sum.terms.iter().map(|(at, factor)| factor * values[*at]).sum::<f64>()).clamp(0.0, 1.0)
-        };
-        let followers: Vec<f64> = self.followers.iter().map(|(_, sum)| of(sum)).collect();
+    /// All values, from those of the free numbers.
+    pub fn with_followers(&self, mut values: Vec<f64>) -> Vec<f64> {
+        let followers: Vec<f64> = self.followers.iter().map(|(_, sum)| sum.of(&values).clamp(0.0, 1.0)).collect();
         values.extend(followers);
         values
     }
 
     /// The values that follow from variables.
     pub fn values(&self, variables: &[f64]) -> Vec<f64> {
-        self.with_followers(self.free.iter().zip(variables).map(|(free, variable)| free.value(*variable)[0]).collect())
+        let mut values = self.unclamped(variables);
+        values.iter_mut().zip(&self.free).for_each(|(value, free)| *value = value.clamp(free.low, free.high));
+        self.with_followers(values)
+    }
+
+    /// The free numbers that follow from variables. Those that an invariant holds may be beyond their ranges.
+    fn unclamped(&self, variables: &[f64]) -> Vec<f64> {
+        let mut values = vec![0.0; self.free.len()];
+        self.moving.iter().zip(variables).for_each(|(at, variable)| values[*at] = self.free[*at].value(*variable)[0]);
+        let held: Vec<f64> = self.held.iter().map(|(_, sum)| sum.of(&values)).collect();
+        self.held.iter().zip(held).for_each(|((at, _), value)| values[*at] = value);
+        values
     }
 
     /// Variables for values of the free numbers. At a bound, a number could not move: it is moved a little inside.
     pub fn variables(&self, values: &[f64]) -> Vec<f64> {
-        self.free.iter().zip(values).map(|(free, value)| free.variable(*value)).collect()
+        self.moving.iter().map(|at| self.free[*at].variable(values[*at])).collect()
     }
 
     /// Variables for values of the free numbers, also at bounds.
     pub fn variables_exactly(&self, values: &[f64]) -> Vec<f64> {
-        self.free.iter().zip(values).map(|(free, value)| free.variable_exactly(*value)).collect()
+        self.moving.iter().map(|at| self.free[*at].variable_exactly(values[*at])).collect()
     }
 
-    /// How fast all numbers move with each free number: a row for each of [`numbers`](Self::numbers).
+    /// The indices of the free numbers that have variables, in the order of these.
+    pub fn moving(&self) -> &[usize] {
+        &self.moving
+    }
+
+    /// How fast all numbers move with each one that has a variable: a row for each of [`numbers`](Self::numbers).
     pub fn slopes(&self) -> DMatrix<f64> {
         let free = self.free.len();
-        let mut change = DMatrix::zeros(free + self.followers.len(), free);
-        (0..free).for_each(|index| change[(index, index)] = 1.0);
-        for (row, (_, sum)) in self.followers.iter().enumerate() {
-            sum.terms.iter().for_each(|(at, factor)| change[(free + row, *at)] += factor);
+        let mut change = DMatrix::zeros(free + self.followers.len(), self.moving.len());
+        self.moving.iter().enumerate().for_each(|(column, at)| change[(*at, column)] = 1.0);
+        for (at, sum) in &self.held {
+            let row = self.slopes_of(sum, &change);
+            change.set_row(*at, &row);
+        }
+        for (index, (_, sum)) in self.followers.iter().enumerate() {
+            let row = self.slopes_of(sum, &change);
+            change.set_row(free + index, &row);
         }
         change
+    }
+
+    fn slopes_of(&self, sum: &LinearSum, change: &DMatrix<f64>) -> RowDVector<f64> {
+        let zero = RowDVector::zeros(self.moving.len());
+        sum.terms.iter().fold(zero, |row, (at, factor)| row + change.row(*at) * *factor)
     }
 
     /// Moves values into the region where every invariant holds, if rounding or the search left it a little.
@@ -276,14 +354,14 @@ impl Unknowns {
         for _ in 0..ROUNDS {
             let mut inside = true;
             for limit in &self.limits {
-                let value = limit.constant + limit.terms.iter().map(|(at, factor)| factor * free[*at]).sum::<f64>();
-                let outside = value - value.clamp(0.0, 1.0);
+                let outside = limit.outside(&free);
                 if outside.abs() <= 1e-12 {
                     continue;
                 }
                 inside = false;
-                let square: f64 = limit.terms.iter().map(|(_, factor)| factor * factor).sum();
-                for (at, factor) in &limit.terms {
+                let terms = &limit.sum.terms;
+                let square: f64 = terms.iter().map(|(_, factor)| factor * factor).sum();
+                for (at, factor) in terms {
                     free[*at] = (free[*at] - outside * factor / square).clamp(self.free[*at].low, self.free[*at].high);
                 }
             }
@@ -328,26 +406,25 @@ impl Unknowns {
 
     /// Variables for a point of the unit cube, for further starts.
     pub fn start_at(&self, point: &[f64]) -> Vec<f64> {
-        self.free.iter().zip(point).map(|(free, share)| free.variable(free.at_share(*share))).collect()
+        let variable = |(at, share): (&usize, &f64)| self.free[*at].variable(self.free[*at].at_share(*share));
+        self.moving.iter().zip(point).map(variable).collect()
     }
 
     /// Normal equations in variables, from those in values: with the rule for chains of functions, and with a residual
     /// of this weight for each invariant that is violated.
     pub fn in_variables(&self, equations: &NormalEquations, variables: &[f64], strictness: f64) -> NormalEquations {
-        let free = self.free.len();
-        let slopes: Vec<[f64; 2]> = self.free.iter().zip(variables).map(|(free, variable)| free.value(*variable)).collect();
         let mut change = self.slopes();
-        for (mut column, [_, slope]) in change.column_iter_mut().zip(&slopes) {
-            column *= *slope;
+        for ((mut column, at), variable) in change.column_iter_mut().zip(&self.moving).zip(variables) {
+            column *= self.free[*at].value(*variable)[1];
         }
         let mut result = equations.in_terms_of(&change);
+        let free = self.unclamped(variables);
         for limit in &self.limits {
-            let value = limit.constant + limit.terms.iter().map(|(at, factor)| factor * slopes[*at][0]).sum::<f64>();
-            let outside = value - value.clamp(0.0, 1.0);
+            let outside = limit.outside(&free);
             if outside != 0.0 {
-                let mut row = vec![0.0; free + 1];
-                limit.terms.iter().for_each(|(at, factor)| row[*at] += factor * slopes[*at][1]);
-                row[free] = outside;
+                let slopes = self.slopes_of(&limit.sum, &change);
+                let mut row: Vec<f64> = slopes.iter().copied().collect();
+                row.push(outside);
                 result.add(strictness, &row);
             }
         }
@@ -414,96 +491,4 @@ fn invariant_systems(formula: &Formula) -> Vec<InvariantSystem> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::lang::source::Source;
-
-    const TEXT: &str = "body_specific; a: scalar, constraint 0..1, default 0.25; b: scalar, constraint 0..1, default 0.5;
-        c: scalar, constraint 0..1; h: scalar, constraint 1..1000, default 10; free: scalar, default 3; w: scalar, switch;
-        invariants; a + b + c = 1; formula; = (a + 2*b + 3*c + h + free + w)*Cd;";
-
-    fn formula() -> Formula {
-        Formula::parse(&Source::new("test", TEXT)).unwrap().0
-    }
-
-    fn unknowns(names: &[&str]) -> Result<Unknowns, UnknownsError> {
-        let formula = formula();
-        let free: Vec<FreeParameter> = names
-            .iter()
-            .map(|name| FreeParameter { parameter: formula.parameter_named(name).unwrap(), owner: 0, range: None })
-            .collect();
-        Unknowns::new(&formula, &free, &|id, _| formula.parameter(id).default)
-    }
-
-    #[test]
-    fn values_and_variables_belong_together() {
-        let unknowns = unknowns(&["a", "b", "h", "free", "Cd"]).unwrap();
-        assert_eq!((unknowns.free(), unknowns.numbers().len()), (7, 8));
-        let start = unknowns.start();
-        assert_eq!(start[..4], [0.25, 0.5, 10.0, 3.0]);
-        assert!((start[7] - 0.25).abs() < 1e-12, "c follows: {start:?}");
-        let values = unknowns.values(&unknowns.variables(&start));
-        assert!(values.iter().zip(&start).all(|(one, other)| (one - other).abs() < 1e-9), "{values:?} {start:?}");
-        // Whatever the variables are, values are within the bounds.
-        let values = unknowns.values(&[40.0, -3.0, 1e3, 0.0, 9.0, 8.0, 7.0]);
-        assert!((0.0..=1.0).contains(&values[0]) && (1.0..=1000.0).contains(&values[2]));
-        assert!((unknowns.values(&unknowns.start_at(&[0.5; 7]))[2] - 1000.0_f64.sqrt()).abs() < 1e-6, "a logarithmic middle");
-    }
-
-    #[test]
-    fn equations_follow_the_chain() {
-        let unknowns = unknowns(&["a", "h"]).unwrap();
-        let variables = unknowns.variables(&[0.3, 20.0]);
-        // One residual: 2a + 3h + 5c, with its derivatives.
-        let at = |variables: &[f64]| {
-            let values = unknowns.values(variables);
-            2.0 * values[0] + 3.0 * values[1] + 5.0 * values[2]
-        };
-        let mut equations = NormalEquations::new(3);
-        equations.add(1.0, &[2.0, 3.0, 5.0, at(&variables)]);
-        let gradient = unknowns.in_variables(&equations, &variables, 1.0).curvature();
-        for index in 0..2 {
-            let mut moved = variables.clone();
-            moved[index] += 1e-6;
-            let slope = (at(&moved) - at(&variables)) / 1e-6;
-            assert!((gradient[(index, index)].sqrt() - slope.abs()).abs() < 1e-4 * slope.abs(), "{index}");
-        }
-    }
-
-    #[test]
-    fn invariants_that_are_violated_count() {
-        let unknowns = unknowns(&["a", "b"]).unwrap();
-        let mut equations = NormalEquations::new(3);
-        equations.add(1.0, &[0.0, 0.0, 0.0, 1.0]);
-        let square = |values: &[f64]| unknowns.in_variables(&equations, &unknowns.variables(values), 100.0).square();
-        assert_eq!(square(&[0.5, 0.4]), 1.0);
-        assert!(square(&[0.8, 0.5]) > 5.0, "c would be -0.3");
-    }
-
-    #[test]
-    fn values_are_moved_to_where_invariants_hold() {
-        let unknowns = unknowns(&["a", "b", "h"]).unwrap();
-        let settled = unknowns.settled(&[0.8, 0.4, 10.0]);
-        // c would be -0.2: a and b give way alike.
-        assert!(settled.iter().zip([0.7, 0.3, 10.0, 0.0]).all(|(found, wanted)| (found - wanted).abs() < 1e-9), "{settled:?}");
-        assert_eq!(unknowns.settled(&[0.3, 0.4, 10.0])[..3], [0.3, 0.4, 10.0]);
-        assert_eq!((unknowns.bound_at(0, 1.0), unknowns.bound_at(0, 0.5), unknowns.bound_at(2, 1.0)), (Some(1), None, Some(0)));
-    }
-
-    #[test]
-    fn what_cannot_be_fitted_is_refused() {
-        assert_eq!(unknowns(&[]), Err(UnknownsError::Nothing));
-        assert!(matches!(unknowns(&["w"]), Err(UnknownsError::NotSmooth(..))));
-        let message = unknowns(&["c"]).unwrap_err().to_string();
-        assert!(message.contains("c = 1 - a - b"), "{message}");
-        let formula = formula();
-        let a = FreeParameter { parameter: formula.parameter_named("a").unwrap(), owner: 0, range: Some([0.5, 2.0]) };
-        let error = Unknowns::new(&formula, &[a], &|_, _| [0.0; 3]);
-        assert!(matches!(error, Err(UnknownsError::Bounds(..))), "{error:?}");
-        let error = Unknowns::new(&formula, &[FreeParameter { range: Some([0.5, 0.2]), ..a }], &|_, _| [0.0; 3]);
-        assert!(matches!(error, Err(UnknownsError::Order(..))), "{error:?}");
-        let whole = FreeParameter { range: None, ..a };
-        let error = Unknowns::new(&formula, &[whole, whole], &|_, _| [0.0; 3]);
-        assert_eq!(error, Err(UnknownsError::Twice("a".to_owned())));
-    }
-}
+mod tests;

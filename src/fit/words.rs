@@ -1,6 +1,7 @@
 //! What a fit found, in words: the command line and the window say the same.
 
-use crate::fit::unknowns::{FitNumber, Unknowns};
+use crate::fit::solve::Solution;
+use crate::fit::unknowns::{FitNumber, LimitOrigin};
 use crate::workspace::ParameterTable;
 
 /// A number with about five digits.
@@ -25,10 +26,28 @@ pub fn name_of(table: &ParameterTable, number: &FitNumber) -> String {
     if parameter.ty.slots() == 3 { format!("{name}.{component}") } else { name }
 }
 
-/// The bound of its range at which a free number stands.
-pub fn bound(unknowns: &Unknowns, free: usize, value: f64) -> Option<&'static str> {
-    let is_free = free < unknowns.free();
-    is_free.then(|| unknowns.bound_at(free, value)).flatten().map(|bound| ["lower", "upper"][bound])
+/// The bound of its range at which a free number stands, by its index.
+pub fn bound(solution: &Solution, free: usize) -> Option<&'static str> {
+    solution.ends.get(free).copied().flatten().map(|bound| ["lower", "upper"][bound])
+}
+
+/// The invariants that bind, as conditions.
+pub fn binding(table: &ParameterTable, solution: &Solution) -> Vec<String> {
+    let condition = |(origin, end): &(LimitOrigin, usize)| match origin {
+        LimitOrigin::Sum(numbers) => {
+            let names: Vec<String> = numbers.iter().map(|number| name_of(table, number)).collect();
+            Some(format!("{} <= 1", names.join(" + ")))
+        }
+        LimitOrigin::Follower(number) => Some(format!("{} {}", name_of(table, number), [">= 0", "<= 1"][*end])),
+        // The number itself stands at the bound of its range.
+        LimitOrigin::Own(_) => None,
+    };
+    solution.binding.iter().filter_map(condition).collect()
+}
+
+/// What it means that a condition binds.
+pub fn binds(condition: &str) -> String {
+    format!("{condition} binds: without this invariant, the fit would come nearer to the data")
 }
 
 /// How exact a number is: the bound at which it stands, or its standard deviation, if it has one. `follows` says
@@ -48,15 +67,39 @@ pub fn certainty(deviation: Option<f64>, follows: bool, at_bound: Option<&str>) 
     }
 }
 
-/// What a group of names means that the data do not determine; a name alone is not determined at all. `is_stepwise`
-/// says whether it has an effect in steps.
-pub fn undetermined(names: &[String], is_stepwise: bool) -> String {
-    match names {
-        [one] if is_stepwise => {
+/// What a number has that the data do not determine at these values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LoneEffect {
+    /// No effect.
+    None,
+    /// An effect in steps.
+    InSteps,
+    /// An effect elsewhere in its range.
+    Elsewhere,
+}
+
+impl LoneEffect {
+    /// That of a group, where some are known to have an effect in steps, and some elsewhere.
+    pub fn of_group<T: PartialEq>(group: &[T], stepwise: &[T], elsewhere: &[T]) -> Self {
+        match group {
+            [one] if stepwise.contains(one) => LoneEffect::InSteps,
+            [one] if elsewhere.contains(one) => LoneEffect::Elsewhere,
+            _ => LoneEffect::None,
+        }
+    }
+}
+
+/// What a group of names means that the data do not determine; a name alone, with its effect, is not determined at all.
+pub fn undetermined(names: &[String], effect: LoneEffect) -> String {
+    match (names, effect) {
+        ([one], LoneEffect::InSteps) => {
             format!("{one} was not moved: it has an effect in steps only, such as a threshold; try values of it")
         }
-        [one] => format!("the data do not determine {one}: it has no effect on what is compared"),
-        all => format!("the data determine {} only together; hold one of them", all.join(", ")),
+        ([one], LoneEffect::Elsewhere) => {
+            format!("the data do not determine {one}: it has no effect at these values; to let it move, start from others")
+        }
+        ([one], LoneEffect::None) => format!("the data do not determine {one}: it has no effect on what is compared"),
+        (all, _) => format!("the data determine {} only together; hold one of them", all.join(", ")),
     }
 }
 
@@ -103,6 +146,18 @@ mod tests {
         assert_eq!(texts, ["± 1.5", "± 0.0099", "± 0.25", "± 42", "± 2.2e-6", "exact"]);
         assert_eq!([certainty(None, true, None), certainty(None, false, None)], ["follows", "open"]);
         assert_eq!(certainty(Some(0.1), false, Some("upper")), "upper bound");
+    }
+
+    #[test]
+    fn what_is_not_determined_is_told_by_its_effect() {
+        let names = ["ks", "h"].map(str::to_owned);
+        let effect = |stepwise: &[String], elsewhere: &[String]| LoneEffect::of_group(&names[..1], stepwise, elsewhere);
+        let told = |effect| undetermined(&names[..1], effect);
+        assert!(told(effect(&names, &[])).contains("in steps only"));
+        assert!(told(effect(&[], &names)).contains("no effect at these values"));
+        assert!(told(effect(&[], &[])).contains("no effect on what is compared"));
+        let group = LoneEffect::of_group(&names, &names, &[]);
+        assert_eq!(undetermined(&names, group), "the data determine ks, h only together; hold one of them");
     }
 
     #[test]

@@ -59,6 +59,26 @@ fn what_a_formula_alone_was_fitted_to_holds_in_other_commands() {
 }
 
 #[test]
+fn an_invariant_that_binds_is_told() {
+    let folder = folder();
+    let formula = "body_specific; kd: scalar, constraint 0..1, default 0.3; ks: scalar, constraint 0..1, default 0.2;
+invariants; kd + ks <= 1; formula; = IL*max(0, N.L)*<kd + ks*(N.V)>;\n";
+    write(&folder, "two.txt", formula);
+    // (0.9 + 0.5 V)/π, which takes more than 1 in all.
+    let line = |angle: f64| {
+        let value = (0.9 + 0.5 * angle.to_radians().cos()) / std::f64::consts::PI;
+        format!("30,0,{angle},180,{value},{value},{value}\n")
+    };
+    write(&folder, "two.csv", &[0.0, 30.0, 60.0, 75.0].map(line).concat());
+    let said = told(folder.path(), "fit two.txt --free kd,ks --to two.csv");
+    assert!(said.contains("ball.kd + ball.ks <= 1 binds"), "{said}");
+    let output = run(folder.path(), "fit two.txt --free kd,ks --to two.csv --json");
+    let found: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(found["binding"], serde_json::json!(["ball.kd + ball.ks <= 1"]));
+    near(after(&found, "ball.kd") + after(&found, "ball.ks"), 1.0);
+}
+
+#[test]
 fn values_of_a_picture_come_back_in_a_session() {
     let folder = prepared();
     let made = run(folder.path(), "render small.toml --set ball.ks=0.3 --set ball.h=20 --set floor.kr=0.25 -o wanted.exr");

@@ -3,7 +3,7 @@
 use crate::cli::fit::FitOutcome;
 use illuminator::fit::metric::Metric;
 use illuminator::fit::unknowns::FitNumber;
-use illuminator::fit::words::{self, name_of, short};
+use illuminator::fit::words::{self, LoneEffect, name_of, short};
 use illuminator::workspace::project::Project;
 use serde::Serialize;
 use std::fmt::Write;
@@ -22,6 +22,10 @@ pub(super) struct FitReport {
     undetermined: Vec<Vec<String>>,
     /// Those of them that have an effect in steps, so that they could not be moved smoothly.
     stepwise: Vec<String>,
+    /// Those of them that have no effect at these values, but one elsewhere in their range.
+    elsewhere: Vec<String>,
+    /// The invariants that bind, as conditions.
+    binding: Vec<String>,
     starts: Vec<StartReport>,
     /// At how many samples the formula is no finite number; it counts as 0 there.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -76,7 +80,7 @@ impl FitReport {
             after: solution.values[index],
             deviation: solution.deviations.get(index).copied().flatten(),
             follows: index >= unknowns.free(),
-            at_bound: words::bound(unknowns, index, solution.values[index]),
+            at_bound: words::bound(solution, index),
         };
         let changed = |(owner, id, value): (illuminator::workspace::OwnerId, _, &[f32])| {
             let is_fitted = numbers.iter().any(|number| number.parameter == id && number.owner == owner.index());
@@ -105,7 +109,9 @@ impl FitReport {
             parameters: numbers.iter().enumerate().map(parameter).collect(),
             residual: ResidualReport { before: solution.residuals[0], after: solution.residuals[1] },
             undetermined: solution.undetermined.iter().map(group).collect(),
-            stepwise: solution.stepwise.iter().map(|number| name_of(project.values.table(), number)).collect(),
+            stepwise: group(&solution.stepwise),
+            elsewhere: group(&solution.elsewhere),
+            binding: words::binding(project.values.table(), solution),
             starts: solution.starts.iter().map(start_report).collect(),
             not_finite: outcome.undefined.map(|[count, _]| count).filter(|count| *count > 0),
             samples: outcome.undefined.map(|[_, samples]| samples),
@@ -133,9 +139,12 @@ pub(super) fn table(report: &FitReport) -> String {
     let _ = writeln!(text, "\nresidual (root mean square, {what}): {before:.3e} before, {after:.3e} after");
     let starts: Vec<(f64, usize)> = report.starts.iter().map(|start| (start.residual, start.evaluations)).collect();
     let _ = writeln!(text, "{}", words::starts(&starts, before, report.seconds));
+    for condition in &report.binding {
+        let _ = writeln!(text, "{}", words::binds(condition));
+    }
     for group in &report.undetermined {
-        let is_stepwise = group.iter().all(|name| report.stepwise.contains(name));
-        let _ = writeln!(text, "{}", words::undetermined(group, is_stepwise));
+        let effect = LoneEffect::of_group(group, &report.stepwise, &report.elsewhere);
+        let _ = writeln!(text, "{}", words::undetermined(group, effect));
     }
     if !report.cancelled {
         let _ = words::hardly_fell([before, after], report.is_picture).map(|words| writeln!(text, "{words}"));

@@ -1,7 +1,9 @@
 //! The result of a fit: its table and sentences, and what it does to the values.
 
 use crate::fit::unknowns::FitNumber;
-use crate::fit::words::{bound, certainty, hardly_fell, name_of, short, starts, undefined, undetermined};
+use crate::fit::words::{
+    LoneEffect, binding, binds, bound, certainty, hardly_fell, name_of, short, starts, undefined, undetermined,
+};
 use crate::formula::Formula;
 use crate::plot::Chart;
 use crate::preview::app::fitting::data::compared;
@@ -60,7 +62,7 @@ impl FittingResult {
             certainty: certainty(
                 solution.deviations.get(index).copied().flatten(),
                 index >= unknowns.free(),
-                solution.values.get(index).and_then(|value| bound(unknowns, index, *value)),
+                bound(&solution, index),
             ),
         };
         let start = unknowns.start();
@@ -72,8 +74,9 @@ impl FittingResult {
         let mut sentences = vec![starts(&outcomes, before, seconds)];
         let group = |group: &Vec<FitNumber>| {
             let names: Vec<String> = group.iter().map(|number| name_of(table, number)).collect();
-            undetermined(&names, group.iter().all(|number| solution.stepwise.contains(number)))
+            undetermined(&names, LoneEffect::of_group(group, &solution.stepwise, &solution.elsewhere))
         };
+        sentences.extend(binding(table, &solution).iter().map(|condition| binds(condition)));
         sentences.extend(solution.undetermined.iter().map(group));
         sentences.extend(hardly_fell([before, after], task.data.is_picture()).filter(|_| !solution.cancelled).map(str::to_owned));
         let undefined_samples = undefined_samples.filter(|[count, _]| *count > 0);
