@@ -25,7 +25,7 @@ use illuminator::fit::unknowns::Unknowns;
 use illuminator::lang::diagnostic::Diagnostic;
 use illuminator::lang::display_text::one_line;
 use illuminator::lang::variables::Owner;
-use illuminator::measured::{MeasuredMaterial, Measurement};
+use illuminator::measured::{FORMATS, MeasuredMaterial, Measurement};
 use illuminator::picture::{Format, Frame, read_picture};
 use illuminator::workspace::assignment::Assignment;
 use illuminator::workspace::project::Project;
@@ -101,6 +101,8 @@ pub(super) struct FitOutcome {
     values: Values,
     /// At how many samples the formula is no number, of how many.
     undefined: Option<[usize; 2]>,
+    /// How much the formula changes when light and view change places, if the data do not.
+    asymmetry: Option<f64>,
     /// The pictures before and after, of a fit to a picture.
     pictures: Option<[Frame; 2]>,
     /// Whether it was a formula alone, so that its values count for every body.
@@ -139,6 +141,7 @@ fn run_named(options: &Options) -> Result<(), Failure> {
     }
     let chart = options.chart.as_deref().map(charts::ChartFile::new).transpose()?;
     check_target(&options.to)?;
+    check_input(options)?;
     let mut project = load(&input(options), &options.passes)?;
     project.files.push(options.to.clone());
     for path in options.output.iter().chain(&options.chart) {
@@ -330,7 +333,11 @@ fn fit(
     if let (true, Some(body)) = (is_alone, owners.body) {
         set_all_bodies(&mut values, body);
     }
-    Ok(FitOutcome { solution, unknowns, values, undefined, pictures, is_alone, seconds })
+    let asymmetry = match target {
+        FitTarget::Material(material, _) if material.is_reciprocal() => Some(request::asymmetry(formula, &values, owners)),
+        FitTarget::Material(..) | FitTarget::Samples(_) | FitTarget::Picture(_) => None,
+    };
+    Ok(FitOutcome { solution, unknowns, values, undefined, asymmetry, pictures, is_alone, seconds })
 }
 
 /// Gives all bodies the values of one.
@@ -379,6 +386,19 @@ fn input(options: &Options) -> InputOptions {
         }
     }
     input
+}
+
+/// Tells a measured material where the session belongs.
+fn check_input(options: &Options) -> Result<(), Failure> {
+    let Some(session) = &options.input.session else { return Ok(()) };
+    let suffix = Path::new(session).extension().map(|suffix| suffix.to_string_lossy().to_lowercase());
+    let is_measured = |suffix: &str| FORMATS.iter().any(|format| format.has_all_directions && format.suffixes.contains(&suffix));
+    if !suffix.as_deref().is_some_and(is_measured) {
+        return Ok(());
+    }
+    let error = Diagnostic::error(format!("`{}` is a measured material, not a session", session.to_string_lossy()));
+    let help = "`--to` gives the material, and `--formula` the formula that is to come near to it";
+    Err(Failure::CommandLine(error.help(help)))
 }
 
 /// Tells apart what `--to` cannot be by its name.

@@ -1,13 +1,15 @@
 //! Fits of the values of a project: which of them may move, how they are compared with data, and what comes out.
 
 use crate::engine::{Engine, EngineError, Subject, Task};
+use crate::fit::directions::{LARGEST_ANGLE, WeightedPair, pairs};
 use crate::fit::metric::Metric;
 use crate::fit::picture::{PictureMisfit, TargetPicture};
 use crate::fit::samples::{FitSample, SampleMisfit};
 use crate::fit::solve::Solution;
 use crate::fit::unknowns::{FitNumber, FreeParameter, Unknowns};
 use crate::formula::{Formula, ParameterId, Term};
-use crate::instrument::model::Place;
+use crate::instrument::model::{FormulaModel, ModelProgram, Place};
+use crate::instrument::{DirectionPair, Reflectance};
 use crate::lang::ast::Constant;
 use crate::lang::diagnostic::nearest;
 use crate::lang::types::Type;
@@ -199,13 +201,36 @@ pub fn sample_misfit(
     SampleMisfit::new(formula, numbers, &Place::default(), unknowns.numbers(), samples, metric)
 }
 
+/// How much the reflectance of a formula changes when light and view change places: the mean change as a share of the
+/// mean reflectance, 0 for a reciprocal one.
+pub fn asymmetry(formula: &Formula, values: &Values, owners: FittedOwners) -> f64 {
+    const PAIRS: usize = 500;
+    let numbers = values.of_surface(formula, [owners.body, owners.light]);
+    let model = FormulaModel::new(Arc::new(ModelProgram::new(formula)), numbers, Place::default());
+    let pairs = pairs(PAIRS, LARGEST_ANGLE);
+    let [there, back] = [false, true].map(|is_turned| {
+        let turned = |weighted: &WeightedPair| match (weighted.pair, is_turned) {
+            (pair, false) => pair,
+            (DirectionPair { light, view }, true) => DirectionPair { light: view, view: light },
+        };
+        let turned: Vec<DirectionPair> = pairs.iter().map(turned).collect();
+        let values = model.values(&turned);
+        turned.iter().zip(values).map(|(pair, value)| value.map(|one| f64::from(one / pair.light[2]))).collect::<Vec<_>>()
+    });
+    let (mut change, mut sum) = (0.0, 0.0);
+    for ((there, back), weighted) in there.iter().zip(&back).zip(&pairs) {
+        for (there, back) in there.iter().zip(back).filter(|(there, back)| there.is_finite() && back.is_finite()) {
+            change += weighted.weight * (there - back).abs();
+            sum += weighted.weight * 0.5 * (there + back).abs();
+        }
+    }
+    if sum > 0.0 { change / sum } else { 0.0 }
+}
+
 /// The samples of a list, which all count the same.
 pub fn listed_samples(list: &ReflectanceSamples) -> Vec<FitSample> {
     let sample = |sample: &crate::measured::ReflectanceSample| FitSample {
-        pair: crate::instrument::DirectionPair {
-            light: sample.light.as_vec3().to_array(),
-            view: sample.view.as_vec3().to_array(),
-        },
+        pair: DirectionPair { light: sample.light.as_vec3().to_array(), view: sample.view.as_vec3().to_array() },
         value: (sample.value * sample.light.z).to_array(),
         weight: 1.0,
     };

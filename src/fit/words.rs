@@ -125,6 +125,20 @@ pub fn starts(outcomes: &[(f64, usize)], before: f64, seconds: f64) -> String {
     format!("{near} of {} starts came to this minimum, with {evaluations} evaluations in {seconds:.2} s", outcomes.len())
 }
 
+/// What it means for a fit to a file that holds reciprocal materials only that the formula changes by this share when
+/// light and view change places. Nothing if that is little.
+pub fn one_way(asymmetry: f64) -> Option<String> {
+    /// Less does not keep a fit from coming near.
+    const LITTLE: f64 = 0.01;
+    (asymmetry > LITTLE).then(|| {
+        format!(
+            "the formula changes by {:.0} % when light and viewer change places, and a MERL file holds only what does not: \
+             no fit comes nearer than its reciprocal part",
+            100.0 * asymmetry
+        )
+    })
+}
+
 /// At how many samples the formula is no finite number.
 pub fn undefined(count: usize, samples: usize) -> String {
     format!("at {count} of {samples} samples the formula is no finite number; it counts as 0 there")

@@ -277,6 +277,14 @@ impl MeasuredMaterial {
         }
     }
 
+    /// Whether the format holds reflectance that stays when light and view change places, and no other.
+    pub fn is_reciprocal(&self) -> bool {
+        match &self.form {
+            StoredForm::Merl(_) => true,
+            StoredForm::Rgl(_) => false,
+        }
+    }
+
     /// Whether the reflectance stays when light and view are turned about the normal together.
     pub fn is_isotropic(&self) -> bool {
         match &self.form {

@@ -138,6 +138,24 @@ fn values_of_a_measured_material_come_back() {
 }
 
 #[test]
+fn formulas_that_are_not_reciprocal_are_told_where_files_hold_none() {
+    let folder = folder();
+    let matte = |_: glam::DVec3, _: glam::DVec3| glam::DVec3::splat(0.1);
+    std::fs::write(folder.path().join("matte.binary"), merl::bytes(matte)).expect("a file");
+    std::fs::write(folder.path().join("matte.csv"), "30,0,40,180,0.1,0.1,0.1\n").expect("a file");
+    let formula =
+        |shape: &str| format!("body_specific; kd: scalar, constraint 0..1, default 0.3; formula; = IL*max(0, N.L)*<kd*{shape}>;");
+    write(&folder, "same.txt", &formula("(N.L)*(N.V)"));
+    write(&folder, "other.txt", &formula("(N.V)"));
+    for (name, data, is_told) in
+        [("other.txt", "matte.binary", true), ("same.txt", "matte.binary", false), ("other.txt", "matte.csv", false)]
+    {
+        let said = told(folder.path(), &format!("fit {name} --to {data}"));
+        assert_eq!(said.contains("reciprocal part"), is_told, "{name} {data}: {said}");
+    }
+}
+
+#[test]
 fn mistakes_are_told_with_the_likely_fix() {
     let folder = prepared();
     write(&folder, "bad.csv", "theta_i,phi_i,theta_o,phi_o,r,g,b\n10,0,20\n");
@@ -165,6 +183,8 @@ fn mistakes_are_told_with_the_likely_fix() {
         let said = told(folder.path(), &format!("fit small.toml {arguments}"));
         assert!(said.contains(wanted) && said.ends_with(&format!("exit status {status}\n")), "{arguments}: {said}");
     }
+    let said = told(folder.path(), "fit gold.binary --to one.csv");
+    assert!(said.contains("is a measured material") && said.contains("`--formula`"), "{said}");
     // Nothing was written.
     assert_eq!(std::fs::read_to_string(folder.path().join("small.toml")).expect("a session"), SESSION);
 }

@@ -32,6 +32,9 @@ pub(super) struct FitReport {
     not_finite: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
     samples: Option<usize>,
+    /// How much the formula changes when light and view change places, as a share, if the data cannot.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    asymmetry: Option<f64>,
     /// Arguments of `--set` that give these values.
     set: Vec<String>,
     cancelled: bool,
@@ -115,6 +118,7 @@ impl FitReport {
             starts: solution.starts.iter().map(start_report).collect(),
             not_finite: outcome.undefined.map(|[count, _]| count).filter(|count| *count > 0),
             samples: outcome.undefined.map(|[_, samples]| samples),
+            asymmetry: outcome.asymmetry,
             set: outcome.values.iter().filter_map(changed).collect(),
             cancelled: solution.cancelled,
             seconds: outcome.seconds,
@@ -148,6 +152,9 @@ pub(super) fn table(report: &FitReport) -> String {
     }
     if !report.cancelled {
         let _ = words::hardly_fell([before, after], report.is_picture).map(|words| writeln!(text, "{words}"));
+    }
+    if let Some(words) = report.asymmetry.and_then(words::one_way) {
+        let _ = writeln!(text, "{words}");
     }
     if let (Some(count), Some(samples)) = (report.not_finite, report.samples) {
         let _ = writeln!(text, "{}", words::undefined(count, samples));

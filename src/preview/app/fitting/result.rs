@@ -2,7 +2,7 @@
 
 use crate::fit::unknowns::FitNumber;
 use crate::fit::words::{
-    LoneEffect, binding, binds, bound, certainty, hardly_fell, name_of, short, starts, undefined, undetermined,
+    LoneEffect, binding, binds, bound, certainty, hardly_fell, name_of, one_way, short, starts, undefined, undetermined,
 };
 use crate::formula::Formula;
 use crate::plot::Chart;
@@ -52,7 +52,7 @@ pub(super) struct FittingResult {
 
 impl FittingResult {
     pub(super) fn new(task: &FittingTask, found: Fitted) -> Self {
-        let Fitted { solution, values, undefined: undefined_samples, chart, seconds } = found;
+        let Fitted { solution, values, undefined: undefined_samples, asymmetry, chart, seconds } = found;
         let (unknowns, table) = (&task.unknowns, task.values.table());
         let numbers = unknowns.numbers();
         let row = |(index, (number, before)): (usize, (&FitNumber, &f64))| ResultRow {
@@ -80,6 +80,7 @@ impl FittingResult {
         sentences.extend(solution.undetermined.iter().map(group));
         sentences.extend(hardly_fell([before, after], task.data.is_picture()).filter(|_| !solution.cancelled).map(str::to_owned));
         let undefined_samples = undefined_samples.filter(|[count, _]| *count > 0);
+        sentences.extend(asymmetry.and_then(one_way));
         sentences.extend(undefined_samples.map(|[count, samples]| undefined(count, samples)));
         let is_fitted = |owner: usize, id| numbers.iter().any(|number| (number.owner, number.parameter) == (owner, id));
         let of = |values: &Values| {

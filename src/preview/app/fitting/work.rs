@@ -130,7 +130,9 @@ impl FittingTask {
             FittingContents::Samples(_) | FittingContents::Picture(_) => None,
         };
         let chart = of_models(formula, [&self.values, &values], self.owners, measured, &self.described);
-        Fitted { solution, values, undefined, chart, seconds: 0.0 }
+        let asymmetry = measured.filter(|material| material.is_reciprocal());
+        let asymmetry = asymmetry.map(|_| request::asymmetry(formula, &values, self.owners));
+        Fitted { solution, values, undefined, asymmetry, chart, seconds: 0.0 }
     }
 
     fn to_picture(&self, read: &ReadPicture, view: View, watch: &FittingWatch) -> Result<Fitted, String> {
@@ -155,7 +157,7 @@ impl FittingTask {
         let [before, after] = [&self.unknowns.start(), &solution.values].map(|values| misfit.picture(values));
         let chart = of_pictures(&wanted, [&before, &after], &self.described);
         let values = request::fitted(&self.values, &self.unknowns, &solution);
-        Ok(Fitted { solution, values, undefined: None, chart, seconds: 0.0 })
+        Ok(Fitted { solution, values, undefined: None, asymmetry: None, chart, seconds: 0.0 })
     }
 }
 
@@ -166,6 +168,8 @@ pub(super) struct Fitted {
     pub(super) values: Values,
     /// At how many samples the formula is no number, of how many.
     pub(super) undefined: Option<[usize; 2]>,
+    /// How much the formula changes when light and view change places, if the data do not.
+    pub(super) asymmetry: Option<f64>,
     /// The data, before and after.
     pub(super) chart: Chart,
     pub(super) seconds: f64,
