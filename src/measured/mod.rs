@@ -30,7 +30,7 @@ use crate::files::{self, Readable};
 use error::Flaw;
 use glam::DVec3;
 use merl::MerlTable;
-use rgl::RglMaterial;
+use rgl::{RglMaterial, SeenFrom};
 use std::fs::{File, Metadata};
 use std::io::Read;
 use std::path::Path;
@@ -243,6 +243,35 @@ fn named_otherwise(path: &Path, format: &MeasuredFormat) -> Option<Flaw> {
     (named.name != format.name).then(|| flaw.hint("a download may have failed: look at the file in a text editor"))
 }
 
+/// A material from one view.
+pub struct SeenMaterial<'m> {
+    /// None if the view is at the horizon or below.
+    form: Option<SeenForm<'m>>,
+}
+
+/// How a material is looked up from one view.
+enum SeenForm<'m> {
+    Merl(&'m MerlTable, DVec3),
+    Rgl(&'m RglMaterial, SeenFrom),
+}
+
+fn is_above(direction: DVec3) -> bool {
+    direction.is_finite() && direction.z > 0.0
+}
+
+impl SeenMaterial<'_> {
+    /// The reflectance for a light, see [`MeasuredMaterial::value`].
+    pub fn value(&self, light: DVec3) -> DVec3 {
+        let value = match self.form.as_ref().filter(|_| is_above(light)) {
+            None => return DVec3::ZERO,
+            Some(SeenForm::Merl(table, view)) => table.value(light, *view),
+            Some(SeenForm::Rgl(material, from)) => material.value(light, from),
+        };
+        // Colours outside of sRGB have negative components.
+        DVec3::from_array(value.to_array().map(|value| if value.is_finite() { value.clamp(0.0, LARGEST) } else { 0.0 }))
+    }
+}
+
 impl MeasuredMaterial {
     /// Reads a material from a file.
     ///
@@ -256,16 +285,16 @@ impl MeasuredMaterial {
     /// unit vectors from the surface; the normal is +z and the tangent +x. It is 0 where one of them is at the horizon
     /// or below, or is not finite.
     pub fn value(&self, light: DVec3, view: DVec3) -> DVec3 {
-        let is_above = |direction: DVec3| direction.is_finite() && direction.z > 0.0;
-        if !is_above(light) || !is_above(view) {
-            return DVec3::ZERO;
-        }
-        let value = match &self.form {
-            StoredForm::Merl(table) => table.value(light, view),
-            StoredForm::Rgl(material) => material.value(light, view),
-        };
-        // Colours outside of sRGB have negative components.
-        DVec3::from_array(value.to_array().map(|value| if value.is_finite() { value.clamp(0.0, LARGEST) } else { 0.0 }))
+        self.seen_from(view).value(light)
+    }
+
+    /// The material from a view, for lights one after the other: what depends on the view alone is found once.
+    pub fn seen_from(&self, view: DVec3) -> SeenMaterial<'_> {
+        let form = is_above(view).then(|| match &self.form {
+            StoredForm::Merl(table) => SeenForm::Merl(table, view),
+            StoredForm::Rgl(material) => SeenForm::Rgl(material, material.seen_from(view)),
+        });
+        SeenMaterial { form }
     }
 
     /// Light and view near these unit vectors at which it was measured. `None` if every pair of directions is

@@ -12,7 +12,7 @@
 use crate::measured::error::Flaw;
 use crate::measured::spectrum;
 use crate::measured::tensor::{Tensor, TensorFile};
-use crate::measured::warp::{Grids, Warp};
+use crate::measured::warp::{GridWeights, Grids, Warp};
 use glam::DVec3;
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI, TAU};
 
@@ -33,6 +33,21 @@ pub(super) struct RglMaterial {
     is_isotropic: bool,
     /// Into how many like parts the azimuths were divided, of which one was measured: 1, 2 or 4.
     parts: u32,
+}
+
+/// What lookups need of the direction to the view.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SeenFrom {
+    /// What turns or mirrors directions to those that were measured.
+    signs: DVec3,
+    /// The direction, turned or mirrored.
+    view: DVec3,
+    /// Its azimuth.
+    phi: f64,
+    /// The grids around it.
+    grids: GridWeights,
+    /// `sigma` for it; 0 if that is not needed.
+    area: f64,
 }
 
 /// The tensor, if all its sizes are at least these, and it has all numbers of them.
@@ -163,37 +178,54 @@ impl RglMaterial {
         (size_of::<f32>() * (numbers + self.visible.count())) as u64
     }
 
-    /// Light and view turned or mirrored to the azimuths that were measured: those from −180° on.
-    fn measured_part(&self, light: DVec3, view: DVec3) -> [DVec3; 2] {
+    /// The signs that turn or mirror light and view to the azimuths that were measured: those from −180° on.
+    fn signs(&self, view: DVec3) -> DVec3 {
         let turned = |positive: bool| if positive { -1.0 } else { 1.0 };
         let y = turned(view.y >= 0.0);
-        let signs = match self.parts {
+        match self.parts {
             4 => DVec3::new(turned(view.x >= 0.0), y, 1.0),
             2 => DVec3::new(y, y, 1.0),
             _ => DVec3::ONE,
-        };
-        [light * signs, view * signs]
+        }
+    }
+
+    /// What lookups need of a unit vector to the view.
+    pub(super) fn seen_from(&self, view: DVec3) -> SeenFrom {
+        let signs = self.signs(view);
+        let view = view * signs;
+        let [theta, phi] = angles(view);
+        let area = self.is_divided.then(|| self.area.at(&self.area.around(0.0, 0.0), [across(theta), along(phi)])[0]);
+        SeenFrom { signs, view, phi, grids: self.visible.around(phi, theta), area: area.unwrap_or(0.0) }
     }
 
     /// The reflectance in 1/sr between two unit vectors above the horizon.
-    pub(super) fn value(&self, light: DVec3, view: DVec3) -> DVec3 {
-        let [light, view] = self.measured_part(light, view);
-        let half = (light + view).normalize_or(DVec3::Z);
-        let polar = |direction: DVec3| direction.x.hypot(direction.y).atan2(direction.z);
-        let azimuth = |direction: DVec3| direction.y.atan2(direction.x);
-        let (theta, phi) = (polar(view), azimuth(view));
-        let across = |theta: f64| (theta * FRAC_2_PI).sqrt();
-        let along = |phi: f64| (phi + PI) / TAU;
-        let about = along(if self.is_isotropic { azimuth(half) - phi } else { azimuth(half) });
-        let at_half = [across(polar(half)), about - about.floor()];
-        let place = self.visible.invert(&self.visible.around(phi, theta), at_half);
-        let colour = DVec3::from_array(self.colours.at(&self.colours.around(phi, theta), place));
-        let share = if self.is_divided {
-            let one = |grid: &Grids<1>, point| grid.at(&grid.around(0.0, 0.0), point)[0];
-            one(&self.normals, at_half) / (4.0 * one(&self.area, [across(theta), along(phi)]))
-        } else {
-            1.0
-        };
+    pub(super) fn value(&self, light: DVec3, from: &SeenFrom) -> DVec3 {
+        let light = light * from.signs;
+        let half = (light + from.view).normalize_or(DVec3::Z);
+        let [theta, azimuth] = angles(half);
+        let about = along(if self.is_isotropic { azimuth - from.phi } else { azimuth });
+        let at_half = [across(theta), about - about.floor()];
+        let place = self.visible.invert(&from.grids, at_half);
+        // The colours lie on grids for the same directions.
+        let colour = DVec3::from_array(self.colours.at(&from.grids, place));
+        let share =
+            if self.is_divided { self.normals.at(&self.normals.around(0.0, 0.0), at_half)[0] / (4.0 * from.area) } else { 1.0 };
         colour * share / light.z.max(SMALLEST_COSINE)
     }
+}
+
+/// Polar angle and azimuth.
+fn angles(direction: DVec3) -> [f64; 2] {
+    let sine = (direction.x * direction.x + direction.y * direction.y).sqrt();
+    [sine.atan2(direction.z), direction.y.atan2(direction.x)]
+}
+
+/// The coordinate of a polar angle on the unit square.
+fn across(theta: f64) -> f64 {
+    (theta * FRAC_2_PI).sqrt()
+}
+
+/// The coordinate of an azimuth.
+fn along(phi: f64) -> f64 {
+    (phi + PI) / TAU
 }

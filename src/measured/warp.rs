@@ -69,23 +69,26 @@ impl<const N: usize> Grids<N> {
         GridCell { column, row, x, y }
     }
 
-    /// The value of a component at a point of the grids.
-    fn point(&self, grids: &GridWeights, column: usize, row: usize, component: usize) -> f64 {
+    /// The values at a point of a grid.
+    fn of_grid(&self, grid: usize, column: usize, row: usize) -> [f32; N] {
         let [width, height] = self.size;
-        let offset = row * width + column;
-        grids.iter().map(|(grid, weight)| f64::from(self.values[grid * width * height + offset][component]) * weight).sum()
+        self.values[(grid * height + row) * width + column]
     }
 
     /// The values at a point of the unit square.
     pub(super) fn at(&self, grids: &GridWeights, point: [f64; 2]) -> [f64; N] {
-        let cell = self.cell(point);
-        std::array::from_fn(|component| {
-            let in_row = |row: usize| {
-                let [left, right] = [cell.column, cell.column + 1].map(|column| self.point(grids, column, row, component));
-                mixed(left, right, cell.x)
-            };
-            mixed(in_row(cell.row), in_row(cell.row + 1), cell.y)
-        })
+        let GridCell { column, row, x, y } = self.cell(point);
+        let corners = [(0, 0, (1.0 - x) * (1.0 - y)), (1, 0, x * (1.0 - y)), (0, 1, (1.0 - x) * y), (1, 1, x * y)];
+        let mut sums = [0.0; N];
+        for &(grid, weight) in grids.iter().filter(|(_, weight)| *weight > 0.0) {
+            for (right, upper, share) in corners {
+                let values = self.of_grid(grid, column + right, row + upper);
+                for (sum, value) in sums.iter_mut().zip(values) {
+                    *sum += weight * share * f64::from(value);
+                }
+            }
+        }
+        sums
     }
 }
 
@@ -157,16 +160,23 @@ impl Warp {
     pub(super) fn invert(&self, grids: &GridWeights, point: [f64; 2]) -> [f64; 2] {
         let GridCell { column, row, x, y } = self.density.cell(point);
         let last = self.density.size[0] - 1;
-        let in_cell = |column: usize| {
-            let [lower, upper] = [row, row + 1].map(|row| self.density.point(grids, column, row, 0));
-            mixed(lower, upper, y)
-        };
-        let (left, right) = (in_cell(column), in_cell(column + 1));
-        let [lower, upper] = [row, row + 1].map(|row| self.along_rows.point(grids, column, row, 0));
-        let along = mixed(lower, upper, y) + x * (left + 0.5 * x * (right - left));
-        let [lower, upper] = [row, row + 1].map(|row| self.along_rows.point(grids, last, row, 0));
+        // Everything is linear in the grids, so each adds its part. Lookups are most of the work of a measurement, and
+        // this way each of the grids is found once.
+        let (mut left, mut right, mut before) = (0.0, 0.0, 0.0);
+        let (mut lower, mut upper, mut rows_below) = (0.0, 0.0, 0.0);
+        for &(grid, weight) in grids.iter().filter(|(_, weight)| *weight > 0.0) {
+            let of = |grids: &Grids<1>, column: usize, row: usize| f64::from(grids.of_grid(grid, column, row)[0]);
+            let in_cell = |grids: &Grids<1>, column: usize| mixed(of(grids, column, row), of(grids, column, row + 1), y);
+            left += weight * in_cell(&self.density, column);
+            right += weight * in_cell(&self.density, column + 1);
+            before += weight * in_cell(&self.along_rows, column);
+            lower += weight * of(&self.along_rows, last, row);
+            upper += weight * of(&self.along_rows, last, row + 1);
+            rows_below += weight * of(&self.below_rows, 0, row);
+        }
+        let along = before + x * (left + 0.5 * x * (right - left));
         let whole = mixed(lower, upper, y);
-        let below = self.below_rows.point(grids, 0, row, 0) + y * (lower + 0.5 * y * (upper - lower));
+        let below = rows_below + y * (lower + 0.5 * y * (upper - lower));
         [if whole > 0.0 { along / whole } else { 0.0 }, below].map(|coordinate| coordinate.clamp(0.0, 1.0))
     }
 }
