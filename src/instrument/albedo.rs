@@ -1,8 +1,8 @@
 //! How much light a model reflects, by the angle of the light.
 
-use crate::instrument::Reflectance;
 use crate::instrument::direction::STEEPEST;
 use crate::instrument::hemisphere::{HemisphereIntegral, Integration, integrate};
+use crate::instrument::{DirectionPair, Reflectance};
 use rayon::prelude::*;
 
 /// How wrong a share of the light may be.
@@ -22,6 +22,8 @@ pub struct GreatestAlbedo {
     pub component: usize,
     /// Polar angle and azimuth of the fixed direction, in degrees.
     pub angles: [f64; 2],
+    /// The pair of directions that adds most to the share.
+    pub top: Option<DirectionPair>,
     /// The polar angles in degrees from which and to which the share is above 1 at this azimuth; none if nowhere.
     pub above_one: Option<[f64; 2]>,
 }
@@ -43,6 +45,7 @@ impl GreatestAlbedo {
             let (component, share) = greatest_component(&place.integral);
             if share > self.share {
                 (self.share, self.error, self.component, self.angles) = (share, place.integral.error, component, place.angles);
+                self.top = place.integral.top.map(|(pair, _)| pair);
             }
             self.at_most = self.at_most.max(share + place.integral.error);
             let polar = place.angles[0];
@@ -69,6 +72,12 @@ impl SharePlace {
     /// The share of the component where it is greatest.
     pub fn share(&self) -> f64 {
         greatest_component(&self.integral).1
+    }
+
+    /// Whether a share of this component may be the same as another one, by the errors of both.
+    pub fn agrees_with(&self, share: f64, error: f64, component: usize) -> bool {
+        let own = self.integral.value[component];
+        (own - share).abs() <= 2.0 * (self.integral.error + error) + EQUAL * own.abs().max(share.abs()).max(1.0)
     }
 
     /// Whether it is above 1, whatever its error, and whatever part of it may be wrong beside that.

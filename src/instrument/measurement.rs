@@ -1,6 +1,7 @@
 //! What there is to say about a model: how much it reflects, whether it is reciprocal, and where its values are odd.
 
 use crate::instrument::albedo::{EQUAL, GreatestAlbedo, SharePlace, shares_at};
+use crate::instrument::closer::CloserLook;
 use crate::instrument::hemisphere::Integration;
 use crate::instrument::reciprocity::ReciprocityError;
 use crate::instrument::search::greatest;
@@ -43,7 +44,15 @@ pub struct ModelMeasurement {
     pub least: Option<(f64, DirectionPair)>,
     /// A pair of directions where a value is not finite.
     pub not_finite: Option<DirectionPair>,
+    /// The part of all pairs that have a value which is not finite.
+    pub part_not_finite: f64,
+    /// Whether a beam and a furnace have the same shares, as far as errors let it be told.
+    shares_agree: bool,
 }
+
+/// Values that are not finite are in isolated directions if they are a smaller part of all pairs. A larger part may
+/// hold more light than all others.
+const ISOLATED: f64 = 5e-4;
 
 /// Whether a model conserves energy.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,28 +76,54 @@ impl ModelMeasurement {
             [Integration::OverViews, Integration::OverLights].map(|over| shares_at(model, over, &angles))
         };
         let mut tables = vec![told(0.0)];
+        let mut look = CloserLook::new(model, &survey);
+        let mut reciprocity = greater(survey.reciprocity, look.reciprocity(&inside(&survey, &tables[0])));
         let beam = greatest(model, Integration::OverViews, &survey, &tables[0][0]);
+        reciprocity = greater(reciprocity, look.reciprocity(beam.top.as_slice()));
         // Both are the same integral if the model is reciprocal.
-        let is_reciprocal = survey.reciprocity.is_some_and(|worst| worst.error < EQUAL);
-        let furnace = if is_reciprocal { beam } else { greatest(model, Integration::OverLights, &survey, &tables[0][1]) };
+        let other = shares_at(model, Integration::OverLights, &[beam.angles]);
+        let shares_agree =
+            agree(&tables[0]) && other.iter().all(|place| place.agrees_with(beam.share, beam.error, beam.component));
+        let is_same = shares_agree && reciprocity.is_some_and(|worst| worst.error < EQUAL);
+        let furnace = if is_same { beam } else { greatest(model, Integration::OverLights, &survey, &tables[0][1]) };
+        if !is_same {
+            reciprocity = greater(reciprocity, look.reciprocity(furnace.top.as_slice()));
+        }
         let worst = Some(beam.angles[1]).filter(|azimuth| survey.depends_on_azimuth && *azimuth > 0.5);
         tables.extend(worst.map(told));
         // No row has more than what is called the greatest share.
         let [beam, furnace] = match tables.get(1) {
-            Some([beams, _]) if is_reciprocal => [beam.raised(beams); 2],
+            Some([beams, _]) if is_same => [beam.raised(beams); 2],
             Some([beams, furnaces]) => [beam.raised(beams), furnace.raised(furnaces)],
             None => [beam, furnace],
         };
-        let in_integrals = || tables.iter().flatten().flatten().find_map(|place| place.integral.not_finite);
-        let not_finite = survey.not_finite.or_else(in_integrals);
+        let places = || tables.iter().flatten().flatten();
+        let not_finite = survey.not_finite.or_else(|| places().find_map(|place| place.integral.not_finite));
+        let low = places().filter_map(|place| Some(place.integral.bottom?.0)).chain(survey.suspects.iter().copied());
+        let different = reciprocity.iter().flat_map(|worst| [worst.pair, worst.pair.exchanged()]);
+        let least = smaller(survey.least, look.least(&low.chain(different).collect::<Vec<_>>()));
         let rows = tables.iter().flat_map(|[beams, furnaces]| beams.iter().zip(furnaces).map(row)).collect();
-        let ModelSurvey { depends_on_azimuth, reciprocity, least, .. } = survey;
-        Self { rows, beam, furnace, depends_on_azimuth, reciprocity, least, not_finite }
+        let ModelSurvey { depends_on_azimuth, part_not_finite, .. } = survey;
+        Self { rows, beam, furnace, depends_on_azimuth, reciprocity, least, not_finite, part_not_finite, shares_agree }
     }
 
-    /// Whether the model is reciprocal, as far as rounding lets it be told.
-    pub fn is_reciprocal(&self) -> bool {
-        self.reciprocity.is_some_and(|worst| worst.error < EQUAL)
+    /// Whether so few values are not finite that the others stand for the model.
+    pub fn is_mostly_finite(&self) -> bool {
+        self.part_not_finite <= ISOLATED
+    }
+
+    /// Whether the model is reciprocal, as far as rounding lets it be told; none if it cannot be told.
+    pub fn is_reciprocal(&self) -> Option<bool> {
+        match self.reciprocity {
+            Some(worst) if worst.error >= EQUAL => Some(false),
+            Some(_) if self.is_mostly_finite() && self.shares_agree => Some(true),
+            Some(_) | None => None,
+        }
+    }
+
+    /// Whether values change when both directions turn about the normal; none if it cannot be told.
+    pub fn azimuth_matters(&self) -> Option<bool> {
+        if self.depends_on_azimuth { Some(true) } else { self.is_mostly_finite().then_some(false) }
     }
 
     /// Whether the model conserves energy: whether it reflects at most all of any beam.
@@ -96,10 +131,45 @@ impl ModelMeasurement {
         match (self.least, self.beam.above_one) {
             (None, _) => EnergyVerdict::Unknown,
             (_, Some(_)) => EnergyVerdict::DoesNot(self.beam),
-            (_, None) if self.beam.is_uncertain() => EnergyVerdict::Uncertain,
+            (_, None) if self.beam.is_uncertain() || !self.is_mostly_finite() || self.is_absurd() => EnergyVerdict::Uncertain,
             (_, None) => EnergyVerdict::Conserves,
         }
     }
+
+    /// Whether a share is far below 0, or its error larger than all of the light. Then values cancel each other, and
+    /// what remains says nothing.
+    fn is_absurd(&self) -> bool {
+        self.rows.iter().any(|row| row.error > 1.0 || row.beam.iter().any(|share| *share < -ABSURD))
+    }
+}
+
+/// A share below its negative is absurd.
+const ABSURD: f64 = 100.0;
+
+/// Pairs inside of the lobes that integrals found, and where the survey found differences.
+fn inside(survey: &ModelSurvey, table: &[Vec<SharePlace>; 2]) -> Vec<DirectionPair> {
+    let tops = table.iter().flatten().filter_map(|place| Some(place.integral.top?.0));
+    let peaks = [Integration::OverViews, Integration::OverLights].into_iter().flat_map(|over| survey.peaks(over));
+    tops.chain(peaks.copied()).chain(survey.suspects.iter().copied()).collect()
+}
+
+fn greater(one: Option<ReciprocityError>, other: Option<ReciprocityError>) -> Option<ReciprocityError> {
+    // A model without finite values has no difference, wherever it is looked at.
+    let other = other.filter(|other| one.is_some_and(|one| other.error > one.error));
+    other.or(one)
+}
+
+fn smaller(one: Option<(f64, DirectionPair)>, other: Option<(f64, DirectionPair)>) -> Option<(f64, DirectionPair)> {
+    let other = other.filter(|other| one.is_some_and(|one| other.0 < one.0));
+    other.or(one)
+}
+
+/// Whether the shares of beams and in furnaces are the same.
+fn agree([beams, furnaces]: &[Vec<SharePlace>; 2]) -> bool {
+    let same = |(beam, furnace): (&SharePlace, &SharePlace)| {
+        (0..3).all(|component| furnace.agrees_with(beam.integral.value[component], beam.integral.error, component))
+    };
+    beams.iter().zip(furnaces).all(same)
 }
 
 /// A row of the table, from the shares of a beam and in a furnace.

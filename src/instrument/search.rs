@@ -86,6 +86,7 @@ pub fn greatest(model: &dyn Reflectance, over: Integration, survey: &ModelSurvey
         at_most: shares.iter().map(|place| place.share() + place.integral.error).fold(0.0, f64::max),
         component,
         angles: best.angles,
+        top: best.integral.top.map(|(pair, _)| pair),
         above_one: is_above.then(|| search.interval(&column, best)),
     }
 }

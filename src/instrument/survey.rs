@@ -8,7 +8,7 @@ use crate::instrument::direction::{STEEPEST, brdf};
 use crate::instrument::expressions::spread_pairs;
 use crate::instrument::hemisphere::Integration;
 use crate::instrument::peaks::{at_place, beside};
-use crate::instrument::reciprocity::ReciprocityError;
+use crate::instrument::reciprocity::{FAINTEST, ReciprocityError, difference};
 use crate::instrument::{DirectionPair, Reflectance};
 use crate::sampling::EvenSequence;
 use glam::{DQuat, DVec3, Vec3};
@@ -16,12 +16,12 @@ use std::f64::consts::{PI, TAU};
 
 /// How many pairs are spread over the hemispheres.
 const PAIRS: u32 = 65_536;
-/// Values below this part of the greatest one are not compared: there, rounding is most of the difference.
-const FAINTEST: f64 = 1e-5;
 /// Values that differ by less, relative to the greater one, are called equal.
 const EQUAL: f64 = 1e-3;
 /// How many differences are looked at again.
 const LOOKED_AT: usize = 48;
+/// How many pairs of each kind a closer look begins at.
+const SUSPECTS: usize = 16;
 /// The most places where a model is large.
 const MOST_PEAKS: usize = 12;
 
@@ -38,6 +38,12 @@ pub struct ModelSurvey {
     pub least: Option<(f64, DirectionPair)>,
     /// A pair of directions where a value is not finite.
     pub not_finite: Option<DirectionPair>,
+    /// The part of all pairs that have a value which is not finite.
+    pub part_not_finite: f64,
+    /// The greatest BRDF of a component.
+    pub(super) greatest_brdf: f64,
+    /// Where values are small, and where they change most if directions turn or change places.
+    pub(super) suspects: Vec<DirectionPair>,
     /// Where the model is largest, for a beam and for a furnace.
     peaks: [Vec<DirectionPair>; 2],
 }
@@ -56,18 +62,35 @@ impl ModelSurvey {
         let numbers = all_pairs().zip(all_values()).flat_map(|(pair, value)| value.map(|number| (f64::from(number), *pair)));
         let least = numbers.filter(|(number, _)| number.is_finite()).min_by(|one, other| one.0.total_cmp(&other.0));
         let is_odd = |value: &[f32; 3]| !value.iter().all(|number| number.is_finite());
+        // Known pairs have directions that are special, such as the normal. The others stand for all.
+        let part_not_finite = values[known.len()..].iter().filter(|value| is_odd(value)).count() as f64 / f64::from(PAIRS);
         let not_finite = all_pairs().zip(all_values()).find(|(_, value)| is_odd(value)).map(|(pair, _)| *pair);
         let turns = |pair: &DirectionPair, index: usize| turned(pair, turn_of(index));
-        let by_azimuth = least.and_then(|_| largest_difference(model, [&pairs, &around], [&values, &of_turned], &turns));
+        let by_azimuth = least.map(|_| largest_differences(model, [&pairs, &around], [&values, &of_turned], &turns));
         let exchanges = |pair: &DirectionPair, _: usize| pair.exchanged();
-        let reciprocity = least.and_then(|_| largest_difference(model, [&pairs, &back], [&values, &of_back], &exchanges));
+        let exchanged = least.map(|_| largest_differences(model, [&pairs, &back], [&values, &of_back], &exchanges));
         let peaks = [Integration::OverViews, Integration::OverLights].map(|over| {
             let sized = all_pairs().zip(all_values()).map(|(pair, value)| (*pair, weight(over, pair, value)));
             climbed(model, over, largest(over, sized.filter(|(_, size)| *size > 0.0).collect()))
         });
-        let depends_on_azimuth = by_azimuth.is_some_and(|found| found.error > EQUAL);
+        let depends_on_azimuth = by_azimuth.as_ref().is_some_and(LargestDifferences::is_different);
         let differs_after_half_turn = depends_on_azimuth && { differs(model, &pairs, &values, &|pair, _| turned(pair, PI)) };
-        Self { depends_on_azimuth, differs_after_half_turn, reciprocity, least, not_finite, peaks }
+        let mut suspects = smallest(&pairs, &values);
+        suspects.extend(by_azimuth.iter().chain(&exchanged).flat_map(|found| found.pairs.iter().take(SUSPECTS)));
+        let greatest_brdf = exchanged.as_ref().map_or(0.0, |found| found.greatest);
+        let reciprocity = exchanged.and_then(|found| found.worst);
+        let part_not_finite = if least.is_some() { part_not_finite } else { 1.0 };
+        Self {
+            depends_on_azimuth,
+            differs_after_half_turn,
+            reciprocity,
+            least,
+            not_finite,
+            part_not_finite,
+            greatest_brdf,
+            suspects,
+            peaks,
+        }
     }
 
     /// Pairs of directions where the model is largest, for one of both integrals.
@@ -116,8 +139,7 @@ fn differs(
     way: &dyn Fn(&DirectionPair, usize) -> DirectionPair,
 ) -> bool {
     let others: Vec<DirectionPair> = pairs.iter().enumerate().map(|(index, pair)| way(pair, index)).collect();
-    let found = largest_difference(model, [pairs, &others], [values, &model.values(&others)], way);
-    found.is_some_and(|found| found.error > EQUAL)
+    largest_differences(model, [pairs, &others], [values, &model.values(&others)], way).is_different()
 }
 
 /// Both directions turned about the normal.
@@ -126,42 +148,64 @@ fn turned(pair: &DirectionPair, turn: f64) -> DirectionPair {
     moved(pair, |direction| turn * direction)
 }
 
+/// Where values of pairs and of the same pairs in another way differ most.
+struct LargestDifferences {
+    /// The largest difference that is no rounding.
+    worst: Option<ReciprocityError>,
+    /// The pairs with the largest ones, from large to small, whatever made them.
+    pairs: Vec<DirectionPair>,
+    /// The greatest BRDF of a component.
+    greatest: f64,
+}
+
+impl LargestDifferences {
+    fn is_different(&self) -> bool {
+        self.worst.is_some_and(|worst| worst.error > EQUAL)
+    }
+}
+
+/// The smallest finite component of a value.
+pub(super) fn least_component(value: &[f32; 3]) -> f32 {
+    value.iter().filter(|number| number.is_finite()).fold(f32::INFINITY, |least, number| least.min(*number))
+}
+
+/// Some pairs with the smallest values.
+fn smallest(pairs: &[DirectionPair], values: &[[f32; 3]]) -> Vec<DirectionPair> {
+    let mut order: Vec<(usize, f32)> = values.iter().map(least_component).enumerate().collect();
+    if order.len() > SUSPECTS {
+        order.select_nth_unstable_by(SUSPECTS, |one, other| one.1.total_cmp(&other.1));
+        order.truncate(SUSPECTS);
+    }
+    order.iter().map(|(index, _)| pairs[*index]).collect()
+}
+
 /// Where the BRDF of pairs and of the same pairs in another way differs most, relative to the greater value. `way`
 /// makes the other pair of one with this number.
-fn largest_difference(
+fn largest_differences(
     model: &dyn Reflectance,
     [pairs, others]: [&[DirectionPair]; 2],
     [values, other_values]: [&[[f32; 3]]; 2],
     way: &dyn Fn(&DirectionPair, usize) -> DirectionPair,
-) -> Option<ReciprocityError> {
+) -> LargestDifferences {
     let brdfs = |pairs: &[DirectionPair], values: &[[f32; 3]]| -> Vec<[f64; 3]> {
         pairs.iter().zip(values).map(|(pair, value)| brdf(pair, *value)).collect()
     };
     let (there, back) = (brdfs(pairs, values), brdfs(others, other_values));
     let finite = there.iter().chain(&back).flatten().filter(|value| value.is_finite());
-    let faintest = FAINTEST * finite.fold(0.0_f64, |greatest, value| greatest.max(value.abs()));
+    let greatest = finite.fold(0.0_f64, |greatest, value| greatest.max(value.abs()));
+    let faintest = FAINTEST * greatest;
     let differences = there.iter().zip(&back).map(|(one, other)| difference(one, other, faintest)).enumerate();
     let mut order: Vec<(usize, f64)> = differences.filter_map(|(index, found)| Some((index, found?))).collect();
     order.sort_by(|one, other| other.1.total_cmp(&one.1));
     order.truncate(LOOKED_AT);
     let steady = order.iter().map(|(index, _)| steady_difference(model, &pairs[*index], &|pair| way(pair, *index), faintest));
     let found = order.iter().zip(steady).map(|((index, _), error)| ReciprocityError { error, pair: pairs[*index] });
-    found.max_by(|one, other| one.error.total_cmp(&other.error))
+    let worst = found.max_by(|one, other| one.error.total_cmp(&other.error));
+    LargestDifferences { worst, pairs: order.iter().map(|(index, _)| pairs[*index]).collect(), greatest }
 }
 
-/// The difference of two values relative to the greater one, for the component where it is largest. None if a value is
-/// not finite.
-fn difference(one: &[f64; 3], other: &[f64; 3], faintest: f64) -> Option<f64> {
-    let of_component = |(one, other): (&f64, &f64)| {
-        let scale = one.abs().max(other.abs());
-        if scale <= faintest { 0.0 } else { (one - other).abs() / scale }
-    };
-    let is_finite = one.iter().chain(other).all(|value| value.is_finite());
-    is_finite.then(|| one.iter().zip(other).map(of_component).fold(0.0, f64::max))
-}
-
-/// The same for the means over pairs that are slightly turned; 0 if the difference itself is as uncertain as large.
-fn steady_difference(
+/// The difference of the means over pairs that are slightly turned, relative to the greater one; 0 if the difference itself is as uncertain as large.
+pub(super) fn steady_difference(
     model: &dyn Reflectance,
     pair: &DirectionPair,
     way: &dyn Fn(&DirectionPair) -> DirectionPair,

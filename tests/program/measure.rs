@@ -321,3 +321,88 @@ fn rounding_is_part_of_the_error() {
         near(&found["albedo"][row]["beam"][0], wanted, 5e-4);
     }
 }
+
+/// A lobe around the mirror direction, that reflects 0.98 of the light far above the horizon. The value has no factor
+/// N.L, so the BRDF is not reciprocal: values are the same, and cosines of the light are not.
+fn mirror(width: f64, factor: &str) -> String {
+    let square = 0.98 / (width * width);
+    format!("formula; d = length(R - V)/{width}; = if(N.L > 0, <{square}>*exp(-(d*d)){factor}, <0>);")
+}
+
+#[test]
+fn narrow_lobes_that_are_not_reciprocal_are_found() {
+    let folder = folder();
+    // The share of a beam at 89.99°, by Gauss rules around the mirror direction, in NumPy.
+    for (width, wanted) in [(0.002, None), (0.001, Some(2.12196)), (0.0005, Some(1.37658)), (0.0001, Some(0.98088))] {
+        write(&folder, "mirror.formula", &mirror(width, ""));
+        let found = measured(folder.path(), "mirror.formula");
+        assert_eq!(found["is_reciprocal"], false, "{width}");
+        let [light, view] = ["light", "view"].map(|end| found["reciprocity"][end][0].as_f64().expect("an angle"));
+        let [light, view] = [light, view].map(|angle| angle.to_radians().cos());
+        // Cosines of angles that are told to thousandths of a degree.
+        near(&found["reciprocity"]["error"], 1.0 - light.min(view) / light.max(view), 0.03);
+        assert!(found["reciprocity"]["error"].as_f64() > Some(0.5), "{width}: {}", found["reciprocity"]);
+        near(&found["greatest_in_furnace"]["share"], 0.98, 2e-3);
+        if let Some(wanted) = wanted {
+            near(&found["greatest_albedo"]["share"], wanted, 2e-3);
+        }
+        assert!(told(folder.path(), "measure mirror.formula").contains("\nfurnace       at most 0.98"));
+        // Divided by the greater cosine, and times that of the light, it is reciprocal.
+        write(&folder, "both.formula", &mirror(width, "*(N.L)/max(N.L, N.V)"));
+        let found = measured(folder.path(), "both.formula");
+        assert_eq!(found["is_reciprocal"], true, "{width}: {}", found["reciprocity"]);
+    }
+}
+
+/// A narrow lobe around a viewer at 42.1°, for light near 60°. At its top, both factors are 1.
+const SPIKE: &str = "D = length(V - normalize(0.6*T + 0.3*B + 0.742*N))/0.004; E = (N.L - 0.5)/0.02; s = exp(-(D*D) - E*E);";
+
+#[test]
+fn the_largest_difference_is_inside_of_a_spike() {
+    let folder = folder();
+    write(&folder, "spike.formula", &format!("formula; {SPIKE} = if(N.L > 0, (N.L)*(<0.3> + <40000*s>), <0>);"));
+    let found = measured(folder.path(), "spike.formula");
+    // 40000.3 one way, 0.3 the other way.
+    near(&found["reciprocity"]["error"], 1.0, 1e-3);
+    near(&found["reciprocity"]["view"][0], 42.114, 1.0);
+}
+
+#[test]
+fn thin_negative_spikes_are_found() {
+    let folder = folder();
+    write(&folder, "gap.formula", &format!("formula; {SPIKE} = max(N.L, 0)*<0.9 - 50*s>;"));
+    let found = measured(folder.path(), "gap.formula");
+    // The least of c (0.9 − 50 exp(−((c − 0.5)/0.02)²)), in NumPy: −24.5596 at c = 0.50039.
+    near(&found["smallest"]["value"], -24.5596, 0.05);
+    near(&found["smallest"]["light"][0], 59.974, 0.1);
+    near(&found["smallest"]["view"][0], 42.114, 0.05);
+    let said = told(folder.path(), "measure gap.formula");
+    assert!(said.contains("smallest      NEGATIVE: -24.5"), "{said}");
+    write(&folder, "matte.formula", "formula; = IL*<0.5>*max(0, N.L);");
+    let said = told(folder.path(), "measure matte.formula");
+    assert!(said.contains("no negative value found") && !said.contains("never"), "{said}");
+}
+
+#[test]
+fn models_without_finite_values_in_most_directions_are_not_judged() {
+    let folder = folder();
+    // A finite value, 0, for one pair of directions in 400.
+    write(&folder, "most.formula", "formula; = IL*if(N.V > 0.95 && N.L > 0.95, <0>, <1>/(0*(N.V)));");
+    let found = measured(folder.path(), "most.formula");
+    assert_eq!((&found["conserves_energy"], &found["energy"]), (&Value::Null, &"cannot be told".into()));
+    assert_eq!((&found["is_reciprocal"], &found["depends_on_azimuth"]), (&Value::Null, &Value::Null));
+    near(&found["part_not_finite"], 1.0 - 0.05 * 0.05, 2e-4);
+    let said = told(folder.path(), "measure most.formula");
+    assert!(said.contains("energy        CANNOT BE TOLD: 99.8 % of all pairs"), "{said}");
+    for claim in ["conserved:", "reciprocal, to", "does not matter"] {
+        assert!(!said.contains(claim), "{claim}: {said}");
+    }
+    // Shares far below 0 say nothing.
+    write(&folder, "below.formula", "formula; = -IL*<exp(80*(1 - N.V))>;");
+    assert_eq!(measured(folder.path(), "below.formula")["energy"], "cannot be told");
+    // A value of 0/0 at the normal alone is no reason to doubt.
+    write(&folder, "pole.formula", "formula; c = 1 - (N.L)*(N.L); = IL*<0.5*c/c>*max(0, N.L);");
+    let found = measured(folder.path(), "pole.formula");
+    assert_eq!((&found["conserves_energy"], &found["is_reciprocal"]), (&true.into(), &true.into()));
+    assert_ne!(found["not_finite"], Value::Null);
+}

@@ -27,16 +27,21 @@ pub(super) struct MeasurementReport {
     /// The shares by the angle of the beam, or of the viewer, at azimuth 0; then those at the azimuth of the greatest
     /// share, if azimuths differ.
     pub(super) albedo: Vec<AlbedoReport>,
-    /// Whether values change when both directions turn about the normal.
-    pub(super) depends_on_azimuth: bool,
-    /// Whether values are the same if light and viewer change places.
-    pub(super) is_reciprocal: bool,
+    /// Whether values change when both directions turn about the normal; null if that cannot be told.
+    pub(super) depends_on_azimuth: Option<bool>,
+    /// Whether values are the same if light and viewer change places; null if that cannot be told.
+    pub(super) is_reciprocal: Option<bool>,
     /// Where they differ most; null if there is no finite value.
     pub(super) reciprocity: Option<ReciprocityReport>,
     /// The smallest value, π · BRDF · cos θ; null if there is no finite value.
     pub(super) smallest: Option<SmallestReport>,
     /// A pair of directions where a value is not finite; null if there is none.
     pub(super) not_finite: Option<PairReport>,
+    /// The part of all pairs of directions for which a value is not finite.
+    pub(super) part_not_finite: f64,
+    /// Whether this part is so small that the others stand for the model.
+    #[serde(skip)]
+    pub(super) is_mostly_finite: bool,
     /// How many pairs of directions the expressions were evaluated for.
     pub(super) pairs: usize,
     /// The macros and the result of the formula.
@@ -219,13 +224,15 @@ impl MeasurementReport {
             greatest_albedo: GreatestReport::new(&measured.beam),
             greatest_in_furnace: GreatestReport::new(&measured.furnace),
             albedo: rows.collect(),
-            depends_on_azimuth: measured.depends_on_azimuth,
+            depends_on_azimuth: measured.azimuth_matters(),
             is_reciprocal: measured.is_reciprocal(),
             reciprocity: measured
                 .reciprocity
                 .map(|worst| ReciprocityReport { error: worst.error, at: PairReport::new(&worst.pair) }),
             smallest: measured.least.map(|(value, pair)| SmallestReport { value, at: PairReport::new(&pair) }),
             not_finite: measured.not_finite.as_ref().map(PairReport::new),
+            part_not_finite: share(measured.part_not_finite),
+            is_mostly_finite: measured.is_mostly_finite(),
             pairs,
             expressions: expressions.iter().map(expression).collect(),
             ranges: ranges.map(RangeReport::new),

@@ -1,11 +1,12 @@
 //! `measure --all`: the same over the ranges of the parameters.
 
 use crate::cli::model::ValuedFormula;
+use crate::cli::progress::Progress;
 use illuminator::formula::{Parameter, ParameterId, Term};
 use illuminator::instrument::Reflectance;
 use illuminator::instrument::albedo::{GreatestAlbedo, greatest_component, shares_at};
 use illuminator::instrument::expressions::spread_pairs;
-use illuminator::instrument::hemisphere::{Integration, integrate};
+use illuminator::instrument::hemisphere::{Integration, IntegrationCare, integrate_with};
 use illuminator::instrument::measurement::TOLD_ANGLES;
 use illuminator::instrument::search::greatest;
 use illuminator::instrument::survey::{ModelSurvey, depends_on_azimuth};
@@ -15,6 +16,7 @@ use illuminator::sampling::EvenSequence;
 use illuminator::workspace::assignment::Assignment;
 use illuminator::workspace::{OwnerId, Values};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The most corners of the ranges that are taken.
 const MOST_CORNERS: u32 = 64;
@@ -111,18 +113,25 @@ pub(super) fn over_ranges(valued: &ValuedFormula) -> RangeFindings {
     let moved = moved(valued);
     let settings = settings(valued, &moved);
     let pairs: Vec<_> = spread_pairs().into_iter().step_by(3).collect();
+    let progress = Progress::new("measuring settings");
+    let done = AtomicUsize::new(0);
     let try_one = |given: &Vec<Assignment>| {
         let mut values = valued.values.clone();
         values.assign(given);
         let model = valued.model(&values);
         let azimuths = if depends_on_azimuth(&model, &pairs) { &AZIMUTHS[..] } else { &AZIMUTHS[..1] };
         let compared = COMPARED.into_iter().flat_map(|polar| azimuths.iter().map(move |azimuth| [polar, *azimuth]));
-        let shares = compared.map(|angles| greatest_component(&integrate(&model, Integration::OverViews, angles, COARSE)).1);
+        // Errors of settings are not told.
+        let care = IntegrationCare { judges_rounding: false, ..IntegrationCare::full(COARSE) };
+        let integral = |angles| integrate_with(&model, Integration::OverViews, angles, care, &[]);
+        let shares = compared.map(|angles| greatest_component(&integral(angles)).1);
         let share = shares.fold(0.0, f64::max);
         let numbers = model.values(&pairs);
         let smallest =
             numbers.iter().flatten().filter(|number| number.is_finite()).fold(f32::INFINITY, |least, number| least.min(*number));
         let is_finite = numbers.iter().flatten().all(|number| number.is_finite());
+        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+        progress.tell(done as f64 / settings.len() as f64);
         Tried { values, share, smallest: f64::from(smallest), is_finite }
     };
     let tried: Vec<Tried> = settings.par_iter().map(try_one).collect();

@@ -23,18 +23,23 @@ pub(super) fn table(report: &MeasurementReport) -> String {
         let _ = writeln!(text, "{name:<NAME_WIDTH$}{said}");
     };
     fact("energy", verdict(report));
-    if !report.is_reciprocal && report.smallest.is_some() {
+    if has_furnace(report) && report.smallest.is_some() {
         fact("furnace", furnace(report));
     }
     fact("reciprocity", reciprocity(report));
-    fact("azimuth", if report.depends_on_azimuth { "matters (anisotropic)" } else { "does not matter (isotropic)" }.to_owned());
+    let azimuth = match report.depends_on_azimuth {
+        Some(true) => "matters (anisotropic)",
+        Some(false) => "does not matter (isotropic)",
+        None => "CANNOT BE TOLD",
+    };
+    fact("azimuth", azimuth.to_owned());
     fact(
         "smallest",
         match &report.smallest {
             Some(smallest) if smallest.value < 0.0 => {
                 format!("NEGATIVE: {} {VALUE} at {}", number(smallest.value), place(&smallest.at))
             }
-            Some(smallest) => format!("{} {VALUE}, never negative", number(smallest.value)),
+            Some(smallest) => format!("{} {VALUE}, no negative value found", number(smallest.value)),
             None => "no finite value".to_owned(),
         },
     );
@@ -74,13 +79,24 @@ fn percent(share: f64) -> String {
     format!("{:.digits$} %", 100.0 * share)
 }
 
+/// Whether what is seen in a white furnace is told beside what is reflected of a beam.
+fn has_furnace(report: &MeasurementReport) -> bool {
+    report.is_reciprocal != Some(true)
+}
+
 /// The answer to whether energy is conserved.
 fn verdict(report: &MeasurementReport) -> String {
     let greatest = &report.greatest_albedo;
-    let (share, at) = (share_of(greatest), of_greatest(greatest, report.depends_on_azimuth, report.is_grey()));
+    let (share, at) = (share_of(greatest), of_greatest(greatest, has_azimuth(report), report.is_grey()));
     let said = match (report.smallest.is_some(), above_one(greatest)) {
         (false, _) => return "unknown: there is no finite value".to_owned(),
-        (true, None) if greatest.is_uncertain => {
+        (true, None) if !report.is_mostly_finite => {
+            return format!(
+                "CANNOT BE TOLD: {} of all pairs of directions have no finite value",
+                percent(report.part_not_finite)
+            );
+        }
+        (true, None) if report.conserves_energy.is_none() => {
             let share = format!("{} ± {}", portion(greatest.share, 3), portion(greatest.error, 3));
             format!("CANNOT BE TOLD: about {share} of a beam of light is reflected ({at})")
         }
@@ -119,11 +135,16 @@ fn above_one(greatest: &GreatestReport) -> Option<String> {
 /// What a viewer sees of a model that is not reciprocal.
 fn furnace(report: &MeasurementReport) -> String {
     let greatest = &report.greatest_in_furnace;
-    let (share, at) = (share_of(greatest), of_greatest(greatest, report.depends_on_azimuth, report.is_grey()));
+    let (share, at) = (share_of(greatest), of_greatest(greatest, has_azimuth(report), report.is_grey()));
     match above_one(greatest) {
         None => format!("{} {share} is seen in a white furnace (at {at})", at_most(greatest)),
         Some(above) => format!("up to {share} is seen in a white furnace, at {at}; {above}"),
     }
+}
+
+/// Whether an azimuth is told beside an angle.
+fn has_azimuth(report: &MeasurementReport) -> bool {
+    report.depends_on_azimuth == Some(true)
 }
 
 /// Where the greatest share is.
@@ -145,7 +166,11 @@ fn of_greatest(greatest: &GreatestReport, has_azimuth: bool, is_grey: bool) -> S
 fn reciprocity(report: &MeasurementReport) -> String {
     match &report.reciprocity {
         None => "no finite value".to_owned(),
-        Some(worst) if report.is_reciprocal => format!("reciprocal, to {}", percent(worst.error)),
+        Some(worst) if report.is_reciprocal == Some(true) => format!("reciprocal, to {}", percent(worst.error)),
+        Some(_) if report.is_reciprocal.is_none() && !report.is_mostly_finite => "CANNOT BE TOLD".to_owned(),
+        Some(_) if report.is_reciprocal.is_none() => {
+            "CANNOT BE TOLD: pairs have the same values, and a beam and a furnace have other shares".to_owned()
+        }
         Some(worst) => format!("NOT reciprocal: values differ by {} at {}", percent(worst.error), place(&worst.at)),
     }
 }
@@ -185,7 +210,7 @@ fn over_ranges(ranges: &RangeReport) -> String {
         Some(smallest) if smallest < 0.0 => {
             fact("smallest", format!("NEGATIVE: {}{}", number(smallest), with(&ranges.smallest_with)))
         }
-        Some(smallest) => fact("smallest", format!("{}, never negative", number(smallest))),
+        Some(smallest) => fact("smallest", format!("{}, no negative value found", number(smallest))),
         None => fact("smallest", "no finite value".to_owned()),
     }
     if ranges.not_finite_with.is_some() {
@@ -196,7 +221,7 @@ fn over_ranges(ranges: &RangeReport) -> String {
 
 /// The shares by angle.
 fn shares(report: &MeasurementReport) -> String {
-    let has_furnace = !report.is_reciprocal;
+    let has_furnace = has_furnace(report);
     let components = if report.is_grey() { 1 } else { 3 };
     let mut lines = vec![vec!["angle".to_owned()]];
     for side in ["reflected", "in a furnace"].into_iter().take(if has_furnace { 2 } else { 1 }) {
@@ -226,7 +251,7 @@ fn shares(report: &MeasurementReport) -> String {
             let error = has_errors.then(|| portion(row.error, 4));
             lines.push(std::iter::once(format!("{}°", row.theta)).chain(numbers).chain(error).collect());
         }
-        let heading = match (report.depends_on_azimuth, text.is_empty(), rows[0].phi) {
+        let heading = match (has_azimuth(report), text.is_empty(), rows[0].phi) {
             (false, ..) => what.to_owned(),
             (true, true, phi) => format!("{what}; at azimuth {phi:.0}°"),
             (true, false, phi) => format!("\nthe same at azimuth {phi:.0}°, where the share is greatest"),

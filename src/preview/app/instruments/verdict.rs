@@ -54,6 +54,9 @@ impl VerdictWords {
                 let share = percent(best.share);
                 format!("Conserves energy: at most {share} of the{light} light is reflected (at {at})")
             }
+            EnergyVerdict::Uncertain if !measured.is_mostly_finite() => {
+                "Energy cannot be told: many values are not finite".to_owned()
+            }
             EnergyVerdict::Uncertain => {
                 let (share, error) = (percent(best.share), percent(best.error));
                 format!("Energy cannot be told: about {share} ± {error} of the{light} light is reflected (at {at})")
@@ -103,7 +106,8 @@ fn details(measured: &ModelMeasurement) -> String {
         degrees(furnace.angles[0])
     ));
     lines.push(match measured.reciprocity {
-        _ if measured.is_reciprocal() => "It is reciprocal: light and viewer may change places.".to_owned(),
+        Some(_) if measured.is_reciprocal() == Some(true) => "It is reciprocal: light and viewer may change places.".to_owned(),
+        Some(_) if measured.is_reciprocal().is_none() => "Whether it is reciprocal cannot be told.".to_owned(),
         Some(worst) => format!("It is not reciprocal: values differ by up to {:.0} %.", 100.0 * worst.error),
         None => "It has no finite values.".to_owned(),
     });
