@@ -74,10 +74,12 @@ impl SharePlace {
         greatest_component(&self.integral).1
     }
 
-    /// Whether a share of this component may be the same as another one, by the errors of both.
+    /// Whether a share of this component may be the same as another one, by the errors of both. It may be anything if
+    /// values are missing.
     pub fn agrees_with(&self, share: f64, error: f64, component: usize) -> bool {
         let own = self.integral.value[component];
-        (own - share).abs() <= 2.0 * (self.integral.error + error) + EQUAL * own.abs().max(share.abs()).max(1.0)
+        self.integral.not_finite.is_some()
+            || (own - share).abs() <= 2.0 * (self.integral.error + error) + EQUAL * own.abs().max(share.abs()).max(1.0)
     }
 
     /// Whether it is above 1, whatever its error, and whatever part of it may be wrong beside that.

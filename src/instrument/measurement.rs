@@ -167,7 +167,8 @@ fn smaller(one: Option<(f64, DirectionPair)>, other: Option<(f64, DirectionPair)
 /// Whether the shares of beams and in furnaces are the same.
 fn agree([beams, furnaces]: &[Vec<SharePlace>; 2]) -> bool {
     let same = |(beam, furnace): (&SharePlace, &SharePlace)| {
-        (0..3).all(|component| furnace.agrees_with(beam.integral.value[component], beam.integral.error, component))
+        let is_missing = beam.integral.not_finite.is_some();
+        is_missing || (0..3).all(|component| furnace.agrees_with(beam.integral.value[component], beam.integral.error, component))
     };
     beams.iter().zip(furnaces).all(same)
 }

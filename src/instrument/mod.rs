@@ -3,7 +3,8 @@
 //!
 //! [`model`] evaluates a formula, and its derivatives, for many pairs of directions at once. [`hemisphere`] integrates,
 //! `rounding` judges single precision, [`survey`] looks at pairs all over, [`search`] finds the greatest share, `closer`
-//! looks where a model is narrow, and [`measurement`] says what there is to say about a model. [`view`] makes charts of it. Files are not known here.
+//! looks where a model is narrow, and [`measurement`] says what there is to say about a model. [`view`] makes charts of
+//! it. Files are not known here.
 
 pub mod albedo;
 mod closer;

@@ -204,7 +204,8 @@ fn largest_differences(
     LargestDifferences { worst, pairs: order.iter().map(|(index, _)| pairs[*index]).collect(), greatest }
 }
 
-/// The difference of the means over pairs that are slightly turned, relative to the greater one; 0 if the difference itself is as uncertain as large.
+/// The difference of the means over pairs that are slightly turned, relative to the greater one; 0 if the difference
+/// itself is as uncertain as large.
 pub(super) fn steady_difference(
     model: &dyn Reflectance,
     pair: &DirectionPair,

@@ -30,7 +30,7 @@ use crate::files::{self, Readable};
 use error::Flaw;
 use glam::DVec3;
 use merl::MerlTable;
-use rgl::{RglMaterial, SeenFrom};
+use rgl::{RglMaterial, ViewLookup};
 use std::fs::{File, Metadata};
 use std::io::Read;
 use std::path::Path;
@@ -252,7 +252,7 @@ pub struct SeenMaterial<'m> {
 /// How a material is looked up from one view.
 enum SeenForm<'m> {
     Merl(&'m MerlTable, DVec3),
-    Rgl(&'m RglMaterial, SeenFrom),
+    Rgl(&'m RglMaterial, ViewLookup),
 }
 
 fn is_above(direction: DVec3) -> bool {

@@ -37,7 +37,7 @@ pub(super) struct RglMaterial {
 
 /// What lookups need of the direction to the view.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct SeenFrom {
+pub(super) struct ViewLookup {
     /// What turns or mirrors directions to those that were measured.
     signs: DVec3,
     /// The direction, turned or mirrored.
@@ -190,16 +190,16 @@ impl RglMaterial {
     }
 
     /// What lookups need of a unit vector to the view.
-    pub(super) fn seen_from(&self, view: DVec3) -> SeenFrom {
+    pub(super) fn seen_from(&self, view: DVec3) -> ViewLookup {
         let signs = self.signs(view);
         let view = view * signs;
         let [theta, phi] = angles(view);
         let area = self.is_divided.then(|| self.area.at(&self.area.around(0.0, 0.0), [across(theta), along(phi)])[0]);
-        SeenFrom { signs, view, phi, grids: self.visible.around(phi, theta), area: area.unwrap_or(0.0) }
+        ViewLookup { signs, view, phi, grids: self.visible.around(phi, theta), area: area.unwrap_or(0.0) }
     }
 
     /// The reflectance in 1/sr between two unit vectors above the horizon.
-    pub(super) fn value(&self, light: DVec3, from: &SeenFrom) -> DVec3 {
+    pub(super) fn value(&self, light: DVec3, from: &ViewLookup) -> DVec3 {
         let light = light * from.signs;
         let half = (light + from.view).normalize_or(DVec3::Z);
         let [theta, azimuth] = angles(half);
