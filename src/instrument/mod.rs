@@ -2,9 +2,9 @@
 //! for pairs of directions.
 //!
 //! [`model`] evaluates a formula, and its derivatives, for many pairs of directions at once. [`hemisphere`] integrates,
-//! `rounding` judges single precision, [`survey`] looks at pairs all over, [`search`] finds the greatest share, `closer`
-//! looks where a model is narrow, and [`measurement`] says what there is to say about a model. [`view`] makes charts of
-//! it. Files are not known here.
+//! `rounding` judges single precision, [`survey`] looks at pairs all over, [`search`] finds the greatest share,
+//! `closer` looks where a model is narrow, and [`measurement`] says what there is to say about a model. [`view`] makes
+//! charts of it. Files are not known here.
 
 pub mod albedo;
 mod closer;

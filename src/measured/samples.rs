@@ -48,11 +48,11 @@ const COLUMNS: [SampleColumn; 7] = [
 /// column that is not read.
 type ColumnOrder = Vec<Option<(usize, f64)>>;
 
-/// Two bytes at the beginning of a text.
-type ByteMark = [u8; 2];
+/// Makes a number of UTF-16 of its bytes.
+type UnitReader = fn([u8; 2]) -> u16;
 
 /// The marks at the beginning of texts in UTF-16, and how their bytes make a number.
-const UTF16: [(ByteMark, fn([u8; 2]) -> u16); 2] = [([0xff, 0xfe], u16::from_le_bytes), ([0xfe, 0xff], u16::from_be_bytes)];
+const UTF16: [([u8; 2], UnitReader); 2] = [([0xff, 0xfe], u16::from_le_bytes), ([0xfe, 0xff], u16::from_be_bytes)];
 
 /// Whether bytes begin as a text in UTF-16 does.
 pub(super) fn is_utf16(beginning: &[u8]) -> bool {
