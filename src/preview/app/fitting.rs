@@ -190,6 +190,11 @@ impl FittingPanel {
         let (directions, within) = (self.directions, self.within);
         let settings = FittingSettings { metric: self.metric, starts: self.starts, directions, within, passes };
         let free = self.choices.free(workshop.values());
+        if let Some(fixed) = free.iter().find(|free| free.range.is_some_and(|[low, high]| low >= high)) {
+            let name = &workshop.formula().parameter(fixed.parameter).name;
+            self.trouble = Some(format!("The bounds of {name} are one number: give it a range, or take its mark away"));
+            return;
+        }
         let task = FittingTask::new(workshop, self.owners(), data, &free, settings, described);
         match task.and_then(|task| RunningFit::start(task, &self.wake)) {
             Ok(running) => (self.running, self.trouble) = (Some(running), None),

@@ -45,8 +45,8 @@ pub(super) struct FittingResult {
     rows: Vec<ResultRow>,
     residual: String,
     sentences: Vec<String>,
-    /// Whether the best values so far are shown, not a minimum.
-    pub(super) is_cancelled: bool,
+    /// What is said if the fit was cancelled, so that the values are no minimum.
+    pub(super) cancelled: Option<&'static str>,
     pub(super) chart: Arc<Chart>,
 }
 
@@ -68,6 +68,10 @@ impl FittingResult {
         let start = unknowns.start();
         let rows = numbers.iter().zip(&start).enumerate().map(row).collect();
         let [before, after] = solution.residuals;
+        let of_cancelled = match after < before {
+            true => "The fit was cancelled; these are the best values so far.",
+            false => "The fit was cancelled before it found better values.",
+        };
         let what = compared(task.settings.metric, task.data.is_picture());
         let residual = format!("Residual {before:.2e} → {after:.2e} (root mean square, {what})");
         let outcomes: Vec<(f64, usize)> = solution.starts.iter().map(|start| (start.residual, start.evaluations)).collect();
@@ -96,7 +100,7 @@ impl FittingResult {
             rows,
             residual,
             sentences: sentences.iter().map(|text| sentence(text)).collect(),
-            is_cancelled: solution.cancelled,
+            cancelled: solution.cancelled.then_some(of_cancelled),
             chart: Arc::new(chart),
         }
     }
@@ -155,8 +159,8 @@ impl FittingResult {
                 });
             };
             wrapped(ui, RichText::new(&self.described).small().weak());
-            if self.is_cancelled {
-                let text = RichText::new("The fit was cancelled; these are the best values so far.");
+            if let Some(text) = self.cancelled {
+                let text = RichText::new(text);
                 wrapped(ui, text.color(ui.visuals().warn_fg_color));
             }
             if let Some(text) = self.staleness(workshop) {

@@ -294,3 +294,21 @@ fn values_of_another_body_may_move_where_the_data_are_a_picture() {
     let found = harness.state().workshop.values().get(floor, kd)[0];
     assert!((found - 0.25).abs() < 1e-3, "{found}");
 }
+
+#[test]
+fn bounds_that_are_one_number_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = fitting(PHONG);
+    choose(&mut harness, &phong_samples(folder.path(), [0.2, 0.5, 30.0], 0.0));
+    let row = harness.get_all_by_label("ks").map(|node| node.rect()).find(|rect| rect.left() < 780.0).expect("a row").center().y;
+    let in_row = |field: &egui_kittest::Node<'_>| (field.rect().center().y - row).abs() < 6.0 && field.rect().left() < 780.0;
+    harness.get_all_by_role(Role::SpinButton).find(in_row).expect("the lower bound").click();
+    harness.run_steps(3);
+    harness.event(egui::Event::Text("1".to_owned()));
+    harness.key_press(egui::Key::Enter);
+    harness.run_steps(3);
+    click(&mut harness, "Start fit");
+    let trouble = harness.state().fitting.trouble().map(str::to_owned);
+    assert_eq!(trouble.as_deref(), Some("The bounds of ks are one number: give it a range, or take its mark away"));
+    assert!(harness.state().fitting.share().is_none());
+}
