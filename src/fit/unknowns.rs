@@ -5,7 +5,7 @@
 //! Roos 1975), of the logarithm if the bounds are far apart. So the method of Levenberg and Marquardt, which knows no
 //! bounds, stays within them.
 //!
-//! An invariant `<=` that the search would leave becomes an equality, see [`binding`].
+//! An invariant `<=` that the search would leave becomes an equality, see `binding`.
 
 mod binding;
 

@@ -63,7 +63,7 @@ pub enum FigureMark {
         /// The line along it.
         stroke: Option<Stroke>,
     },
-    /// A line of text. It may have [subscripts](subscript).
+    /// A line of text. It may have [subscripts](crate::plot::subscript).
     Text {
         /// Where it is: a point of its baseline.
         at: [f64; 2],
