@@ -89,18 +89,30 @@ impl LoneEffect {
     }
 }
 
-/// What a group of names means that the data do not determine; a name alone, with its effect, is not determined at all.
-pub fn undetermined(names: &[String], effect: LoneEffect) -> String {
-    match (names, effect) {
-        ([one], LoneEffect::InSteps) => {
-            format!("{one} was not moved: it has an effect in steps only, such as a threshold; try values of it")
-        }
-        ([one], LoneEffect::Elsewhere) => {
-            format!("the data do not determine {one}: it has no effect at these values; to let it move, start from others")
-        }
-        ([one], LoneEffect::None) => format!("the data do not determine {one}: it has no effect on what is compared"),
-        (all, _) => format!("the data determine {} only together; hold one of them", all.join(", ")),
-    }
+/// What groups of names mean that the data do not determine, each group with its effect. Names that are alone are not
+/// determined at all; those of one effect are one sentence.
+pub fn undetermined(groups: &[(Vec<String>, LoneEffect)]) -> Vec<String> {
+    let (alone, together): (Vec<_>, Vec<_>) = groups.iter().partition(|(names, _)| names.len() == 1);
+    let of = |effect: LoneEffect| {
+        let names: Vec<&str> =
+            alone.iter().filter(|(_, of)| *of == effect).flat_map(|(names, _)| names).map(String::as_str).collect();
+        let all = names.join(", ");
+        let (were, it, has, them) = if names.len() > 1 { ("were", "they", "have", "them") } else { ("was", "it", "has", "it") };
+        let sentence = match effect {
+            LoneEffect::InSteps => {
+                format!("{all} {were} not moved: {it} {has} an effect in steps only, such as a threshold; try values of {them}")
+            }
+            LoneEffect::Elsewhere => format!(
+                "the data do not determine {all}: {it} {has} no effect at these values; to let {them} move, start from others"
+            ),
+            LoneEffect::None => format!("the data do not determine {all}: {it} {has} no effect on what is compared"),
+        };
+        (!names.is_empty()).then_some(sentence)
+    };
+    let lone = [LoneEffect::InSteps, LoneEffect::Elsewhere, LoneEffect::None].into_iter().filter_map(of);
+    let groups =
+        together.iter().map(|(names, _)| format!("the data determine {} only together; hold one of them", names.join(", ")));
+    lone.chain(groups).collect()
 }
 
 /// Below this, a residual is nothing but rounding: reflectance and colours are about 0.1 to 1.
@@ -166,12 +178,18 @@ mod tests {
     fn what_is_not_determined_is_told_by_its_effect() {
         let names = ["ks", "h"].map(str::to_owned);
         let effect = |stepwise: &[String], elsewhere: &[String]| LoneEffect::of_group(&names[..1], stepwise, elsewhere);
-        let told = |effect| undetermined(&names[..1], effect);
-        assert!(told(effect(&names, &[])).contains("in steps only"));
-        assert!(told(effect(&[], &names)).contains("no effect at these values"));
-        assert!(told(effect(&[], &[])).contains("no effect on what is compared"));
+        let told = |effect| undetermined(&[(names[..1].to_vec(), effect)]).concat();
+        assert!(told(effect(&names, &[])).contains("it has an effect in steps only"));
+        assert!(told(effect(&[], &names)).contains("it has no effect at these values"));
+        assert!(told(effect(&[], &[])).contains("it has no effect on what is compared"));
         let group = LoneEffect::of_group(&names, &names, &[]);
-        assert_eq!(undetermined(&names, group), "the data determine ks, h only together; hold one of them");
+        let together = (names.to_vec(), group);
+        let [a, b] = ["a", "b"].map(|name| (vec![name.to_owned()], LoneEffect::None));
+        let expected = [
+            "the data do not determine a, b: they have no effect on what is compared",
+            "the data determine ks, h only together; hold one of them",
+        ];
+        assert_eq!(undetermined(&[a, together, b]), expected);
     }
 
     #[test]

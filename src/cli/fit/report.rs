@@ -146,9 +146,9 @@ pub(super) fn table(report: &FitReport) -> String {
     for condition in &report.binding {
         let _ = writeln!(text, "{}", words::binds(condition));
     }
-    for group in &report.undetermined {
-        let effect = LoneEffect::of_group(group, &report.stepwise, &report.elsewhere);
-        let _ = writeln!(text, "{}", words::undetermined(group, effect));
+    let effect = |group: &Vec<String>| (group.clone(), LoneEffect::of_group(group, &report.stepwise, &report.elsewhere));
+    for sentence in words::undetermined(&report.undetermined.iter().map(effect).collect::<Vec<_>>()) {
+        let _ = writeln!(text, "{sentence}");
     }
     if !report.cancelled {
         let _ = words::hardly_fell([before, after], report.is_picture).map(|words| writeln!(text, "{words}"));

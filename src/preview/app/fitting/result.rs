@@ -78,10 +78,10 @@ impl FittingResult {
         let mut sentences = vec![starts(&outcomes, before, seconds)];
         let group = |group: &Vec<FitNumber>| {
             let names: Vec<String> = group.iter().map(|number| name_of(table, number)).collect();
-            undetermined(&names, LoneEffect::of_group(group, &solution.stepwise, &solution.elsewhere))
+            (names, LoneEffect::of_group(group, &solution.stepwise, &solution.elsewhere))
         };
         sentences.extend(binding(table, &solution).iter().map(|condition| binds(condition)));
-        sentences.extend(solution.undetermined.iter().map(group));
+        sentences.extend(undetermined(&solution.undetermined.iter().map(group).collect::<Vec<_>>()));
         sentences.extend(hardly_fell([before, after], task.data.is_picture()).filter(|_| !solution.cancelled).map(str::to_owned));
         let undefined_samples = undefined_samples.filter(|[count, _]| *count > 0);
         sentences.extend(asymmetry.and_then(one_way));
