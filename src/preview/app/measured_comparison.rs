@@ -203,6 +203,6 @@ impl App {
         self.workshop.is_up_to_date()
             && !comparison.worker.is_busy()
             && !comparison.is_awaited
-            && comparison.asked.is_none_or(is_current)
+            && (comparison.of.is_none() || comparison.kept.is_some_and(is_current))
     }
 }

@@ -465,6 +465,10 @@ fn a_held_slider_waits_for_no_measured_picture_and_a_body_that_goes_ends_the_com
     let mut harness = instruments(LAMBERT);
     harness.state_mut().perform(Action::Instruments(InstrumentAction::Compare(path)));
     settle_measured(&mut harness);
+    // The picture takes the size of its pane once that no longer changes.
+    harness.run_steps(40);
+    settle(&mut harness);
+    settle_measured(&mut harness);
     let version = |harness: &Harness<'_, App>| harness.state().workshop.measured_picture().map(|picture| picture.version);
     let first = version(&harness);
     assert!(first.is_some());
