@@ -22,7 +22,8 @@ fn table(folder: &Path, name: &str) -> (Vec<String>, Vec<Vec<f64>>) {
     let kept: Vec<String> =
         pieces.map(|(index, piece)| if index % 2 == 0 { piece.to_owned() } else { piece.replace(',', ";") }).collect();
     let columns = kept.concat().split(',').map(str::to_owned).collect();
-    let number = |cell: &str| cell.parse::<f64>().expect("a number");
+    // Where a curve has no point, the cell is empty.
+    let number = |cell: &str| if cell.is_empty() { f64::NAN } else { cell.parse::<f64>().expect("a number") };
     (columns, lines.map(|line| line.split(',').map(number).collect()).collect())
 }
 
