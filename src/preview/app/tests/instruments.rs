@@ -472,14 +472,19 @@ fn a_held_slider_waits_for_no_measured_picture_and_a_body_that_goes_ends_the_com
     let version = |harness: &Harness<'_, App>| harness.state().workshop.measured_picture().map(|picture| picture.version);
     let first = version(&harness);
     assert!(first.is_some());
-    let workshop = &mut harness.state_mut().workshop;
-    let part = workshop.formula().parameter_named("part").expect("a parameter");
-    let body = workshop.scene().body_ids().next().expect("a body");
-    workshop.drag(OwnerId::Body(body), part, [0.125; 3]);
+    let slider = harness.get_all_by_role(Role::Slider).next().expect("a slider").rect().left_center();
+    harness.drag_at(slider + egui::vec2(30.0, 0.0));
+    harness.run_steps(2);
+    harness.hover_at(slider + egui::vec2(60.0, 0.0));
+    harness.run_steps(3);
+    assert!(harness.state().workshop.held().is_some());
     settle(&mut harness);
+    // Long enough for a picture of few pixels to be made.
+    std::thread::sleep(Duration::from_millis(300));
     harness.run_steps(5);
     assert_eq!(version(&harness), first);
-    harness.state_mut().workshop.release();
+    harness.drop_at(slider + egui::vec2(60.0, 0.0));
+    harness.run_steps(2);
     settle(&mut harness);
     settle_measured(&mut harness);
     assert!(version(&harness) > first);
