@@ -1,13 +1,14 @@
 //! Fits of the values of a project: which of them may move, how they are compared with data, and what comes out.
 
 use crate::engine::{Engine, EngineError, Subject, Task};
-use crate::fit::directions::{LARGEST_ANGLE, WeightedPair, pairs};
+use crate::fit::directions::{LARGEST_ANGLE, pairs};
 use crate::fit::metric::Metric;
 use crate::fit::picture::{PictureMisfit, TargetPicture};
 use crate::fit::samples::{FitSample, SampleMisfit};
 use crate::fit::solve::Solution;
 use crate::fit::unknowns::{FitNumber, FreeParameter, Unknowns};
 use crate::formula::{Formula, ParameterId, Term};
+use crate::instrument::direction::brdf;
 use crate::instrument::model::{FormulaModel, ModelProgram, Place};
 use crate::instrument::{DirectionPair, Reflectance};
 use crate::lang::ast::Constant;
@@ -208,15 +209,12 @@ pub fn asymmetry(formula: &Formula, values: &Values, owners: FittedOwners) -> f6
     let numbers = values.of_surface(formula, [owners.body, owners.light]);
     let model = FormulaModel::new(Arc::new(ModelProgram::new(formula)), numbers, Place::default());
     let pairs = pairs(PAIRS, LARGEST_ANGLE);
-    let [there, back] = [false, true].map(|is_turned| {
-        let turned = |weighted: &WeightedPair| match (weighted.pair, is_turned) {
-            (pair, false) => pair,
-            (DirectionPair { light, view }, true) => DirectionPair { light: view, view: light },
-        };
-        let turned: Vec<DirectionPair> = pairs.iter().map(turned).collect();
-        let values = model.values(&turned);
-        turned.iter().zip(values).map(|(pair, value)| value.map(|one| f64::from(one / pair.light[2]))).collect::<Vec<_>>()
-    });
+    let there: Vec<DirectionPair> = pairs.iter().map(|weighted| weighted.pair).collect();
+    let back: Vec<DirectionPair> = there.iter().map(DirectionPair::exchanged).collect();
+    let brdfs = |pairs: &[DirectionPair]| -> Vec<[f64; 3]> {
+        pairs.iter().zip(model.values(pairs)).map(|(pair, value)| brdf(pair, value)).collect()
+    };
+    let [there, back] = [&there, &back].map(|pairs| brdfs(pairs));
     let (mut change, mut sum) = (0.0, 0.0);
     for ((there, back), weighted) in there.iter().zip(&back).zip(&pairs) {
         for (there, back) in there.iter().zip(back).filter(|(there, back)| there.is_finite() && back.is_finite()) {

@@ -5,7 +5,7 @@
 //! model is least reciprocal, and down to where it is smallest.
 
 use crate::instrument::direction::{STEEPEST, brdf, direction, pair};
-use crate::instrument::peaks::beside;
+use crate::instrument::peaks::{LOWEST, beside};
 use crate::instrument::reciprocity::{FAINTEST, ReciprocityError, difference};
 use crate::instrument::survey::{ModelSurvey, least_component, steady_difference};
 use crate::instrument::{DirectionPair, Reflectance};
@@ -80,9 +80,6 @@ impl PairMove {
         pair(moved, view)
     }
 }
-
-/// The least cosine of a direction.
-const LOWEST: f64 = 1.75e-4;
 
 /// Moves pairs to where a number grows. A climb from each pair begins with each of these steps.
 fn climbed(

@@ -9,6 +9,9 @@ use glam::DVec3;
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
 
+/// The least cosine of a direction that is tried.
+pub(super) const LOWEST: f64 = 1.75e-4;
+
 /// How many points a scan looks at.
 const POINTS: u32 = 2048;
 /// The most tops that are climbed, beside the given places.
@@ -58,7 +61,7 @@ pub(super) fn beside(middle: DVec3, distance: f64, turn: f64) -> DVec3 {
     let (one, other) = middle.any_orthonormal_pair();
     let (sine, cosine) = turn.sin_cos();
     let mut moved = middle + distance * (cosine * one + sine * other);
-    moved.z = moved.z.max(1.75e-4);
+    moved.z = moved.z.max(LOWEST);
     moved.normalize()
 }
 

@@ -1,4 +1,5 @@
-//! Limits of sums that bind: a limit that the search would leave becomes an equality, by which one more number follows.
+//! Limits of sums that bind. A limit that the search would leave becomes an equality, and one of its numbers then
+//! follows from the others.
 
 use crate::fit::unknowns::{LimitOrigin, LinearSum, SumLimit, Unknowns, VariableScale};
 

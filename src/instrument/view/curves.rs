@@ -135,8 +135,8 @@ fn incoming(is_draft: bool) -> Vec<f64> {
 /// Curves up to this angle have all of their range in the chart, in degrees.
 const WHOLE_UP_TO: f64 = 85.0;
 
-/// Where curves end in a spike along the surface beside which nothing else would be seen: the number up to which the
-/// chart goes, and the highest point.
+/// A spike along the surface can be so high that the rest of the chart would look flat. Then this is the number at
+/// which the chart ends, and the highest point.
 fn beyond(curves: &[Curve]) -> Option<(f64, [f64; 2])> {
     let points = || curves.iter().flat_map(|curve| &curve.points).filter(|[_, share]| share.is_finite());
     let before = points().filter(|[angle, _]| *angle <= WHOLE_UP_TO).map(|[_, share]| *share).fold(1.0, f64::max);

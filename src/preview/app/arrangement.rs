@@ -18,9 +18,9 @@ const LEAST_TEXTS: f32 = 220.0;
 const LEAST_PARAMETERS: f32 = 240.0;
 const LEAST_PICTURE: f32 = 160.0;
 
-/// The least height that panels below the picture leave to it, and the least that each of them has if there are others,
-/// in points.
+/// The least height of the picture above other panels, in points.
 const LEAST_PICTURE_HEIGHT: f32 = 220.0;
+/// The least height of each panel below the picture if there are several, in points.
 const LEAST_BELOW_HEIGHT: f32 = 200.0;
 
 /// Panels that are less wide than this, in points, are below the texts, too.
@@ -142,26 +142,31 @@ impl App {
         let is_open = [self.inspector.open, self.instruments.open && dock == InstrumentDock::Below, self.fitting.open];
         let shown = self.below.shown(ui, is_open);
         self.below.tabs_ui(ui, is_open);
-        let most = |ui: &Ui, after: usize| {
-            let others = shown[after..].iter().filter(|is_shown| **is_shown).count();
+        let most = |ui: &Ui, panel: usize| {
+            let others = shown[panel + 1..].iter().filter(|is_shown| **is_shown).count();
             ui.available_height() - LEAST_PICTURE_HEIGHT - others as f32 * LEAST_BELOW_HEIGHT
         };
         let of = self.parameter_of_interest();
-        if shown[0] {
-            self.inspector.ui(ui, &self.workshop, (of, most(ui, 1)), sizes);
+        if shown[INSPECTOR] {
+            self.inspector.ui(ui, &self.workshop, (of, most(ui, INSPECTOR)), sizes);
         }
         if let Some(place) = self.inspector.take_place() {
             self.parameters.select(OwnerId::Body(place.body));
             self.instruments.look_at(place);
         }
-        if shown[1] {
-            self.instruments_ui(ui, (beside, most(ui, 2)), sizes, actions);
+        if shown[INSTRUMENTS] {
+            self.instruments_ui(ui, (beside, most(ui, INSTRUMENTS)), sizes, actions);
         }
-        self.fitting_ui(ui, (shown[2], most(ui, 3)), sizes);
+        self.fitting_ui(ui, (shown[FITTING], most(ui, FITTING)), sizes);
     }
 }
 
-/// The names of the panels below the picture, in their order from below.
+/// The indices of the panels below the picture, in their order from below.
+const INSPECTOR: usize = 0;
+const INSTRUMENTS: usize = 1;
+const FITTING: usize = 2;
+
+/// Their names.
 const BELOW: [&str; 3] = ["Pixel inspector", "Instruments", "Fit"];
 
 /// Which of the panels below the picture are in view. Where there is no room for all that are open, it is one of them,

@@ -39,6 +39,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use verdict::VerdictWords;
 
+/// How many rows a verdict takes and has at most.
+const VERDICT_ROWS: usize = 2;
 /// A verdict that takes longer waits until the slider is let go.
 const QUICK_VERDICT: Duration = Duration::from_millis(120);
 
@@ -212,7 +214,7 @@ impl InstrumentPanel {
     fn header_ui(&mut self, ui: &mut Ui, workshop: &Workshop, fits_right: bool) {
         ui.horizontal(|ui| {
             // What is below does not move while the words change. All of them are in the tooltip, too.
-            ui.set_min_height(2.0 * ui.text_style_height(&TextStyle::Body));
+            ui.set_min_height(VERDICT_ROWS as f32 * ui.text_style_height(&TextStyle::Body));
             ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
                 if ui.small_button("×").on_hover_text("Close the instruments (Ctrl+I)").clicked() {
                     self.open = false;
@@ -239,7 +241,7 @@ impl InstrumentPanel {
                         (false, true) => text.color(ui.visuals().warn_fg_color),
                         (false, false) => text,
                     };
-                    let button = ui.add(Button::new(in_rows(ui, text, 2)).frame(false));
+                    let button = ui.add(Button::new(in_verdict_rows(ui, text)).frame(false));
                     if button
                         .on_hover_text(format!(
                             "{}\n{}\nClick for the share of the light over the angle.",
@@ -367,10 +369,10 @@ impl InstrumentPanel {
     }
 }
 
-/// A text within the free width, in at most this many rows.
-fn in_rows(ui: &Ui, text: RichText, rows: usize) -> Arc<Galley> {
+/// A text within the free width, in at most as many rows as a verdict has.
+fn in_verdict_rows(ui: &Ui, text: RichText) -> Arc<Galley> {
     let mut job = LayoutJob::default();
     text.append_to(&mut job, ui.style(), FontSelection::Default, Align::Center);
-    job.wrap = TextWrapping { max_width: ui.available_width(), max_rows: rows, ..TextWrapping::default() };
+    job.wrap = TextWrapping { max_width: ui.available_width(), max_rows: VERDICT_ROWS, ..TextWrapping::default() };
     ui.fonts_mut(|fonts| fonts.layout_job(job))
 }

@@ -134,7 +134,7 @@ pub(super) fn cartesian_ui(ui: &mut Ui, chart: &CartesianChart, theme: ChartThem
             if is_whole { number_text(scale.number(mark.value)).replace('-', "−") } else { String::new() }
         },
     );
-    let shown_curves = chart.curves.clone();
+    let curves = &chart.curves;
     let mut plot = plot("cartesian")
         .custom_x_axes(vec![x_axis])
         .custom_y_axes(vec![y_axis])
@@ -143,7 +143,7 @@ pub(super) fn cartesian_ui(ui: &mut Ui, chart: &CartesianChart, theme: ChartThem
             let position = match at {
                 HoverPosition::NearDataPoint { position, .. } | HoverPosition::Elsewhere { position } => position,
             };
-            Some(format!("{x_name} {:.1}°\n{}", position.x, numbers_at(&shown_curves, position.x, &y_name)))
+            Some(format!("{x_name} {:.1}°\n{}", position.x, numbers_at(curves, position.x, &y_name)))
         });
     if chart.x.is_angle {
         let range = chart.x.range;
